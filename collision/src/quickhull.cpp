@@ -117,6 +117,17 @@ double least_above(std::span<const Vec3> points, const std::vector<HullTriangle>
   return std::max(step, tolerance * height);
 }
 
+void check_rounds(std::size_t round) {
+  // A corner that goes in may be swallowed later, but not so many of them.
+  if (round <= 2 * ConvexHull::kMaxVertices) return;
+  pbd::detail::refuse("ConvexHull: corners", "at most 128", "more");
+}
+
+/// By Euler's formula a closed surface of triangles has twice as many as corners, less four.
+bool is_full(std::span<const HullTriangle> faces) {
+  return faces.size() + 4 >= std::size_t{2} * ConvexHull::kMaxVertices;
+}
+
 std::vector<GridPoint> to_grid(std::span<const Vec3> points, double step) {
   std::vector<GridPoint> out;
   out.reserve(points.size());
@@ -152,15 +163,11 @@ Quickhull quickhull(std::span<const Vec3> points, double extent, double toleranc
   std::vector<bool> gone;  // planes, by number
   std::vector<Edge> seen;  // of the faces that see the point
   for (std::size_t round = 0; round <= points.size(); ++round) {
-    // A corner that goes in may be swallowed later, but not so many of them.
-    if (!cut && round > 2 * ConvexHull::kMaxVertices)
-      pbd::detail::refuse("ConvexHull: corners", "at most 128", "more");
+    if (!cut) check_rounds(round);
     const auto next = static_cast<std::uint32_t>(
         std::max_element(highest.begin(), highest.end(), is_lower) - highest.begin());
     const double above = highest[next].above;
-    // By Euler's formula there are two faces less than twice the corners, twice.
-    const bool full = faces.size() + 4 >= std::size_t{2} * ConvexHull::kMaxVertices;
-    if (!(above > least) || (cut && full)) return {faces, std::max(above, 0.0) * step};
+    if (!(above > least) || (cut && is_full(faces))) return {faces, std::max(above, 0.0) * step};
     kept.clear();
     kept_planes.clear();
     seen.clear();

@@ -295,6 +295,12 @@ TEST_CASE("mjcf: what MuJoCo's schema does not know is left out, and told", "[mj
   CHECK(file.find_joint("k") != pbd::JointId{});
   CHECK(refusal([&] { parse_mjcf(text, {.strict = true}); }).find("unrecognized attribute") !=
         std::string::npos);
+  // A range means a limit by now.
+  SceneFile range = world(
+      "<body><joint name='j' axis='0 1 0' range='-10 10'/><geom size='.1' pos='1 0 0'/></body>");
+  CHECK(range.scene.joints().def(range.find_joint("j")).angular[0].freedom ==
+        pbd::Freedom::Limited);
+  CHECK(is_told(range, "autolimits is on"));
   // In what a model includes as well.
   const tandem::testing::Folder folder;
   folder.write("part.xml",

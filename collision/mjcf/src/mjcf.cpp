@@ -62,6 +62,7 @@ using ModelPointer = std::unique_ptr<mjModel, void (*)(mjModel*)>;
 ModelPointer compile(const std::string& path, std::vector<mjcf::Document>& documents, bool strict,
                      std::string_view name, std::vector<std::string>& warnings) {
   constexpr int kReadings = 64;
+  bool autolimits = false;
   for (int i = 0;; ++i) {
     char error[1000] = "";
     const Files files(documents);
@@ -69,6 +70,12 @@ ModelPointer compile(const std::string& path, std::vector<mjcf::Document>& docum
     if (model) {
       if (error[0] != '\0') warnings.push_back(std::string("MuJoCo: ") + error);
       return model;
+    }
+    if (!strict && !autolimits && std::string_view(error).find("autolimits") != std::string::npos &&
+        mjcf::set_autolimits(documents[0])) {
+      autolimits = true;
+      warnings.push_back("compiler: autolimits is on, as in later versions of MuJoCo");
+      continue;
     }
     const auto unknown = mjcf::schema_violation(error);
     const std::size_t count =

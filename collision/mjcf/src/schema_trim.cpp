@@ -112,9 +112,22 @@ std::size_t blank_out(const SchemaViolation& what, std::vector<Document>& docume
   return count;
 }
 
+bool set_autolimits(Document& model) {
+  std::size_t end = 0;  // of the root's tag
+  (void)scene_files::for_tags(model.text, [&](const scene_files::XmlTag& tag) {
+    if (end != 0 || !tag.opens || tag.closes || element_of(tag.text) != "mujoco") return;
+    end = static_cast<std::size_t>(tag.text.data() - model.text.data()) + tag.text.size() + 1;
+  });
+  if (end == 0) return false;
+  // On the same line: those that messages name stay.
+  model.text.insert(end, "<compiler autolimits=\"true\"/>");
+  model.changed = true;
+  return true;
+}
+
 void append_includes(const std::filesystem::path& folder, std::vector<Document>& documents) {
-  constexpr std::size_t kMost = 256;
-  for (std::size_t i = 0; i < documents.size() && documents.size() < kMost; ++i) {
+  constexpr std::size_t kMaxDocuments = 256;
+  for (std::size_t i = 0; i < documents.size() && documents.size() < kMaxDocuments; ++i) {
     std::vector<std::string> files;
     const std::string_view text = documents[i].text;
     (void)scene_files::for_tags(text, [&](const scene_files::XmlTag& tag) {

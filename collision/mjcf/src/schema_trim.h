@@ -29,6 +29,10 @@ std::optional<SchemaViolation> schema_violation(std::string_view message);
 /// @return how often it was there
 std::size_t blank_out(const SchemaViolation& what, std::vector<Document>& documents);
 
+/// Has a range mean a limit in the model, as later ones of MuJoCo have it by default.
+/// @return whether there was a place for it
+bool set_autolimits(Document& model);
+
 /// What `documents` includes, and what that does, appended. What cannot be read is left to MuJoCo.
 void append_includes(const std::filesystem::path& folder, std::vector<Document>& documents);
 
