@@ -87,6 +87,20 @@ TEST_CASE("mjcf: of meshes with many corners, or flat ones, the nearest hull is 
   }
 }
 
+TEST_CASE("mjcf: points within a mesh's hull do not count", "[mjcf]") {
+  std::string points = "0 0 0 1 0 0 0 1 0 0 0 1 ";
+  for (int i = 0; i < 200; ++i) points += std::to_string(0.3 - 0.001 * i) + " .2 .2 ";
+  MjcfOptions options;
+  options.limits.hull_points = 8;
+  const SceneFile file = parse_mjcf(std::string("<mujoco><asset><mesh name='m' vertex='") + points +
+                                        "'/></asset><worldbody><body><freejoint/>"
+                                        "<geom type='mesh' mesh='m'/></body></worldbody></mujoco>",
+                                    options);
+  const auto& hull = std::get<collision::Hull>(file.scene.shapes().collider({0, 0}).shape);
+  CHECK(hull->points().size() == 4);
+  CHECK(hull->volume() == Approx(1.0 / 6.0).epsilon(1e-6));
+}
+
 TEST_CASE("mjcf: geoms meet where either one's contype meets the other's conaffinity", "[mjcf]") {
   pbd::SplitMix64 random(46);
   for (int draw = 0; draw < 20; ++draw) {

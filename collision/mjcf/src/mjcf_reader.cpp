@@ -155,12 +155,17 @@ collision::Hull Reader::hull(int g) {
   const int mesh = m_.geom_dataid[g];
   collision::Hull& known = hulls_[mesh];
   if (known != nullptr) return known;
+  // Of meshes that collide MuJoCo knows the corners of the hull: a few of a scan's thousands.
+  const int* graph = m_.mesh_graphadr[mesh] < 0 ? nullptr : m_.mesh_graph + m_.mesh_graphadr[mesh];
+  const int count = graph == nullptr ? m_.mesh_vertnum[mesh] : graph[0];
   scene_files::require_within(
       model_.where(mjOBJ_MESH, mesh),
-      limits_.add(&SceneLimits::hull_points, static_cast<std::size_t>(m_.mesh_vertnum[mesh])));
+      limits_.add(&SceneLimits::hull_points, static_cast<std::size_t>(count)));
   std::vector<Vec3> points;
-  for (int v = 0; v < m_.mesh_vertnum[mesh]; ++v) {
-    const float* p = m_.mesh_vert + 3 * (m_.mesh_vertadr[mesh] + v);
+  for (int i = 0; i < count; ++i) {
+    // Behind the numbers of corners and faces, and an address for each corner.
+    const int vertex = graph == nullptr ? i : graph[2 + count + i];
+    const float* p = m_.mesh_vert + 3 * (m_.mesh_vertadr[mesh] + vertex);
     points.emplace_back(p[0], p[1], p[2]);
   }
   return known = model_.guard(mjOBJ_GEOM, g, [&] { return hull_of(mesh, points); });
