@@ -101,6 +101,7 @@ void describe_run(JsonWriter& json, const Report& r) {
   } else {
     json.field("profile", o.profile);
   }
+  if (!o.network.empty()) json.field("network", o.network);
   json.field("transport", o.over_network() ? (o.udp() ? "udp" : "tcp") : "virtual");
   json.field("peers", r.run.peers.size()).field("seconds", r.run.seconds).field("seed", o.seed);
   json.field("step_hz", r.run.peers.empty() ? Distribution::kNone : r.run.peers.front().step_hz);

@@ -19,6 +19,7 @@ VirtualSession::VirtualSession(const Scenario& scenario, const DemoOptions& opti
     network_.transport(i + 1);
     network_.set_clock(i + 1, clock_ahead(options, i));
   }
+  options.set_links(network_);
   actors_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     consensus::Transport& transport = network_.transport(i + 1);

@@ -28,6 +28,10 @@ void Actor::act() {
   inside_ = !inside_;
 }
 
+void Actor::sleep_until(SessionTime time) {
+  while (step_time(step_) < time) ++step_;
+}
+
 SessionTime Actor::phase(const DemoOptions& options, std::size_t number) const {
   if (number == 0 || !options.steps_off_grid()) return 0;
   Random random(derived_seed(options.seed, 4000 + number));

@@ -27,6 +27,9 @@ class Actor {
     return inside_ ? std::tuple{step_time(step_ + 1), 0} : std::tuple{step_time(step_), 1};
   }
   void act();
+  /// No step begins before `time` (ns), as of a program that the system has stopped.
+  /// @pre its next event is the beginning of a step
+  void sleep_until(consensus::SessionTime time);
   /// ns: the time of its world.
   consensus::SessionTime reached() const { return step_time(inside_ ? step_ + 1 : step_); }
   Participant& participant() { return *participant_; }

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "session/options.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
@@ -155,11 +156,33 @@ void read_iterations(Argument& in, DemoOptions& o) {
   }
 }
 
+/// Null where none is called so.
+const consensus::NamedNetwork* named_network(std::string_view name) {
+  const std::span<const consensus::NamedNetwork> all = consensus::named_networks();
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const auto& network) { return network.name == name; });
+  return found != all.end() ? &*found : nullptr;
+}
+
+std::string network_names() {
+  std::string out = "one of";
+  for (const consensus::NamedNetwork& network : consensus::named_networks()) {
+    out += ' ';
+    out += network.name;
+  }
+  return out;
+}
+
 constexpr DemoOption kOptions[] = {
     {"--peers", Where::Virtual,
      [](Argument& in, DemoOptions& o) { o.peers = in.number(1, 64, "an integer from 1 to 64"); }},
     {"--profile", Where::Virtual,
      [](Argument& in, DemoOptions& o) { o.profile = in.number(0, 5, "an integer from 0 to 5"); }},
+    {"--network", Where::Virtual,
+     [](Argument& in, DemoOptions& o) {
+       o.network = in.text();
+       if (named_network(o.network) == nullptr) refuse(in.name(), o.network, network_names());
+     }},
     {"--link", Where::Virtual, read_link},
     {"--send", Where::Everywhere, read_send},
     {"--listen", Where::Everywhere,
@@ -335,6 +358,20 @@ consensus::LinkOptions DemoOptions::link_options() const {
   result.bandwidth = bandwidth;
   result.max_state_bytes = max_state_bytes;
   return result;
+}
+
+void DemoOptions::set_links(consensus::VirtualNetwork& links) const {
+  const consensus::NamedNetwork* const other = named_network(network);
+  const auto count = static_cast<consensus::PeerId>(peers);
+  for (consensus::PeerId from = 1; from <= count; ++from) {
+    for (consensus::PeerId to = 1; to <= count; ++to) {
+      if (from == to) continue;
+      consensus::LinkOptions link = link_options();
+      if (other != nullptr && from == kOnNetwork) link = other->up;
+      if (other != nullptr && to == kOnNetwork) link = other->down;
+      links.set_link(from, to, link);
+    }
+  }
 }
 
 DemoOptions parse_options(std::span<const std::string_view> arguments) {

@@ -65,7 +65,10 @@ struct DemoOptions {
   consensus::InputMode mode = consensus::InputMode::Soft;
   Scheme scheme = Scheme::OnePass;
   double update_hz = 60.0;
-  int profile = 3;        ///< of the virtual link, [friston] Table 3; 0 = nothing is late
+  int profile = 3;  ///< of the virtual link, [friston] Table 3; 0 = nothing is late
+  static constexpr consensus::PeerId kOnNetwork = 2;
+  /// One of consensus::named_networks(), between peer kOnNetwork and all others; "" = as the rest.
+  std::string network;
   bool off_grid = false;  ///< virtual peers step at times of their own, though they share a clock
   std::vector<double> rates = {60.0};              ///< steps each second of the peers, in turn
   std::vector<Engine> engines = {Engine::Tandem};  ///< of the peers, in turn
@@ -133,6 +136,8 @@ struct DemoOptions {
   /// What is used, as given or as the scheme has it.
   consensus::PredictorKind predictor_kind() const { return peer_options().predictor; }
   consensus::LinkOptions link_options() const;
+  /// Give all links of the virtual peers 1 to `peers` what they are to have.
+  void set_links(consensus::VirtualNetwork& links) const;
 };
 
 /// Reads the arguments after the program's name. @throws UsageError

@@ -136,8 +136,8 @@ void LiveSession::leave(PageId page) {
 
 void LiveSession::set_profile(int profile) {
   options_.profile = profile;
-  run_->set_links(options_.link_options());
-  if (beside_) beside_->set_links(options_.link_options());
+  run_->set_links(options_);
+  if (beside_) beside_->set_links(options_);
 }
 
 void LiveSession::set_beside(std::optional<Scheme> scheme) {

@@ -52,13 +52,7 @@ void LiveWorlds::advance_to(SessionTime end) {
   }
 }
 
-void LiveWorlds::set_links(const consensus::LinkOptions& link) {
-  for (std::size_t from = 1; from <= size(); ++from) {
-    for (std::size_t to = 1; to <= size(); ++to) {
-      if (from != to) session_.network().set_link(from, to, link);
-    }
-  }
-}
+void LiveWorlds::set_links(const DemoOptions& options) { options.set_links(session_.network()); }
 
 void LiveWorlds::change_rules(const DemoOptions& options) {
   // States of the peers that were are none of the new ones'. What is sent reliably still comes: a

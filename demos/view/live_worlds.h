@@ -37,8 +37,8 @@ class LiveWorlds {
 
   /// Everything that happens up to `end`, ns, happens.
   void advance_to(consensus::SessionTime end);
-  /// Another link between all peers.
-  void set_links(const consensus::LinkOptions& link);
+  /// Other links between the peers.
+  void set_links(const DemoOptions& options);
   /// Agree by other rules from now on.
   void change_rules(const DemoOptions& options);
 

@@ -61,7 +61,11 @@ void Agreement::aggregate() {
 void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) {
   const std::uint32_t slot = shared.def.body.index;
   const pbd::BodyState& own = data_.world.states()[slot];
-  if (found_.votes) trust_.weigh_votes(own, 1.0 - shared.initiative.strength(), found_.states);
+  if (found_.votes) {
+    trust_.weigh_votes(own, 1.0 - shared.initiative.strength(), found_.states);
+    // Nothing is replayed for whom the votes left nothing.
+    found_.keep([](const PeerEstimate& estimate) { return estimate.share > 0.0; });
+  }
   Wanted wanted{.shared = &shared, .placed = shared.placed, .asked = asked};
   pbd::PoseTarget& target = wanted.target;
   target.body = shared.def.body;
@@ -99,10 +103,14 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) 
     for (std::size_t i = 0; i < found_.stamped.size(); ++i) {
       const Stamped& there = found_.stamped[i];
       if (there.stamp < known) continue;  // nobody knows any more
+      const PeerId peer = found_.states[i].peer;
+      const double share = found_.states[i].share;
+      // An owner's is all there is to go by.
       replay_->add({.slot = slot,
-                    .peer = found_.states[i].peer,
+                    .peer = peer,
                     .stamp = there.stamp,
-                    .weight = weight_of_share(found_.states[i].share),
+                    .weight = weight_of_share(share),
+                    .carried = share < 1.0 && latecomers_.is_carried(peer),
                     .state = there.state});
     }
     wanted.replayed = true;

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "agree/votes.h"
@@ -36,6 +37,18 @@ struct Estimates {
   /// A hand that only its own peer knows moves the body: where it is now has to be guessed.
   bool by_hand = false;
 
+  /// Those of which the test says so, and what belongs to them.
+  template <class Test>
+  void keep(Test test) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (!test(states[i])) continue;
+      states[kept] = states[i];
+      stamped[kept++] = stamped[i];
+    }
+    states.resize(kept);
+    stamped.resize(kept);
+  }
   void clear() {
     states.clear();
     stamped.clear();

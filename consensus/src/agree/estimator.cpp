@@ -7,6 +7,7 @@
 #include "agree/pose_arbiter.h"
 #include "common/body_state.h"
 #include "common/ranges.h"
+#include "common/stable_share.h"
 #include "tandem/consensus/influence.h"
 
 namespace tandem::consensus {
@@ -26,12 +27,6 @@ constexpr double kNegligible = 0.01;
 
 /// m: a newcomer that is put so far away tells of a jump.
 constexpr double kFarAway = 0.1;
-
-/// The share given at most to a guess of where a body is now, made from a state that is `age` s
-/// old: 1 / (d + 2), d the age in units of kShareInterval. Each of two peers takes the other's late
-/// correction for motion; near 1 / d that adds up. Replayed means need no limit (docs/method.md
-/// Sec. 7).
-double stable_share(double age) { return 1.0 / (std::max(age, 0.0) / kShareInterval + 2.0); }
 
 }  // namespace
 
@@ -180,15 +175,9 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
 
 void Estimator::keep_leaders(Estimates& out) {
   // The others only know an earlier state of it, and whoever says something false is one of them.
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < out.states.size(); ++i) {
-    const bool leads = ranges::find(out.leaders, out.states[i].peer) != out.leaders.end();
-    if (out.states[i].share < 1.0 && !leads) continue;
-    out.states[kept] = out.states[i];
-    out.stamped[kept++] = out.stamped[i];
-  }
-  out.states.resize(kept);
-  out.stamped.resize(kept);
+  out.keep([&](const PeerEstimate& estimate) {
+    return estimate.share >= 1.0 || ranges::find(out.leaders, estimate.peer) != out.leaders.end();
+  });
 }
 
 void Estimator::estimate_owner(SharedBody& shared, std::span<const Inbox::Received> newest,

@@ -3,6 +3,7 @@
 #include "agree/latecomers.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/ranges.h"
 #include "common/session_time.h"
@@ -20,19 +21,10 @@ constexpr double kLost = 0.1;
 
 }  // namespace
 
-double Latecomers::longest(std::span<const double> ages) const {
-  // The newer half of three and more is in time.
-  const double usual = ages[(ages.size() - 1) / 2];
-  const SendOptions& sending = data_.options.sending;
-  const double around =
-      kOlder * usual + data_.step_dt + (sending.selects() ? sending.refresh : 0.0);
-  if (ages.size() > 2) return around;
-  // Of two nobody can tell who is usual. Without the older one the newer would have the only say.
-  return std::max(around, ReplaySchedule::goes_back(data_.options.replay.budget) * data_.step_dt);
-}
-
 void Latecomers::look() {
   none_ = true;
+  // Who goes to and fro about the limit would have the replay's start do so, and new ones begun.
+  const double older = std::exchange(carried_, 0) != 0 ? 1.0 : kOlder;
   members_.clear();
   for (std::size_t i = 0; i < data_.bodies.size(); ++i) {
     auto member = members_.begin();
@@ -52,7 +44,14 @@ void Latecomers::look() {
     ages_.push_back(std::max(0.0, seconds(data_.now - member.newest)));
   }
   std::sort(ages_.begin(), ages_.end());
-  const double most = longest(ages_);
+  // The newer half of three and more is in time.
+  const double usual = ages_[(ages_.size() - 1) / 2];
+  const SendOptions& sending = data_.options.sending;
+  double most = older * usual + data_.step_dt + (sending.selects() ? sending.refresh : 0.0);
+  if (ages_.size() == 2 && ages_.back() > most) {
+    carried_ = std::ranges::min_element(members_, {}, &Member::newest)->peer;
+    most = std::max(most, ReplaySchedule::goes_back(data_.options.replay.budget) * data_.step_dt);
+  }
   for (Member& member : members_) {
     member.late = seconds(data_.now - member.newest) > most;
     if (member.late) ++data_.report_of(member.peer).late;

@@ -23,6 +23,10 @@ class Latecomers {
   void forget() { none_ = true; }
   /// Of the last look().
   bool is_late(PeerId peer) const;
+  /// Likewise, of two: the older one, to whose states the replay does not go back either, as they
+  /// can be carried to where it begins. Of two nobody can tell who is usual, and without the older
+  /// one the newer would have the only say.
+  bool is_carried(PeerId peer) const { return peer != 0 && peer == carried_; }
   /// What those say of a body who are in time, and who owns it; all of it where nobody is. Valid
   /// until the next call.
   /// @param guessed  set: nobody is in time, so that where the body is now has to be guessed
@@ -35,8 +39,6 @@ class Latecomers {
     SessionTime newest = 0;  ///< ns, stamp of the newest state of what moves; 0 = nothing does
     bool late = false;
   };
-  /// s: how old the states of one who is in time are at most.
-  double longest(std::span<const double> ages) const;
   bool is_late(const Inbox::Received& received) const;
 
   PeerData& data_;
@@ -44,6 +46,7 @@ class Latecomers {
   std::vector<double> ages_;     ///< s
   std::vector<Inbox::Received> heard_;
   SessionTime oldest_ = 0;  ///< ns, stamp of a single body
+  PeerId carried_ = 0;
   bool none_ = true;
 };
 

@@ -8,6 +8,7 @@
 
 #include "common/body_state.h"
 #include "common/session_time.h"
+#include "common/stable_share.h"
 #include "tandem/consensus/influence.h"
 #include "tandem/pbd/cpu_timer.h"
 #include "tandem/pbd/validate.h"
@@ -21,6 +22,11 @@ constexpr double kAll = std::numeric_limits<double>::infinity();
 /// packets, and bodies that touch must not be moved one after the other: a pile of 900 cubes had
 /// them up to 17 mm, one frame's way, behind.
 constexpr std::size_t kTogether = 3;
+
+/// Of the share that a guess bears, what carried news get. One of 0.15 s beside two honest ones:
+/// their p50 is 1.07 times what it is without it, and 1.12 with all of the share (cubes, six
+/// seeds).
+constexpr double kCarried = 0.5;
 
 /// The state of another peer where its stamp lies between own frames: the difference to the own
 /// motion is carried to the frame. Tennis off the grid, profile 3, all p95: 6.3 mm, 20 without it.
@@ -118,6 +124,8 @@ void Replay::bring_together() {
   // What a peer has not said lately is as it expects others to expect it: the replay fills it in.
   start_ = history_.last();
   oldest_ = 0;
+  const bool goes_back =
+      std::any_of(news_.begin(), news_.end(), [](const News& news) { return !news.carried; });
   auto kept = news_.begin();
   for (auto first = news_.begin(); first != news_.end();) {
     const auto last = std::find_if(first, news_.end(), [&](const News& news) {
@@ -125,8 +133,10 @@ void Replay::bring_together() {
     });
     const std::size_t frame = std::prev(last)->frame;
     const PeerId peer = first->peer;
-    if (frame < start_) oldest_ = peer;
-    start_ = std::min(start_, frame);
+    if (frame < start_ && !(first->carried && goes_back)) {
+      oldest_ = peer;
+      start_ = frame;
+    }
     for (; first != last; ++first, ++kept) {
       if (kept != first) *kept = *first;
       kept->frame = frame;
@@ -136,7 +146,19 @@ void Replay::bring_together() {
   news_.erase(kept, news_.end());
   // Worlds are kept from when they are first asked for: until then a replay begins where it can.
   while (start_ < history_.last() && snapshots_.find(start_, history_.last()) == nullptr) ++start_;
-  for (News& news : news_) news.frame = std::max(news.frame, start_);
+  carry_to_start();
+}
+
+void Replay::carry_to_start() {
+  for (News& news : news_) {
+    if (news.frame >= start_) continue;
+    news.frame = start_;
+    if (!news.carried) continue;
+    // What was corrected since is not in it, and comes once more.
+    const double age = seconds(history_.frame(start_).time - news.stamp);
+    news.weight =
+        std::min(news.weight, weight_of_share(kCarried * stable_share(age) / options_.share));
+  }
 }
 
 bool Replay::is_here(std::uint32_t slot) const {

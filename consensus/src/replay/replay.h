@@ -28,6 +28,7 @@ class Replay {
     PeerId peer = 0;
     SessionTime stamp = 0;  ///< ns
     double weight = 0.0;    ///< against the own state's 1; infinity = an owner's
+    bool carried = false;   ///< to where the replay begins, so that it need not go back so far
     pbd::BodyState state;
     std::size_t frame = 0;  ///< set: of the own history, nearest to the stamp
   };
@@ -80,6 +81,8 @@ class Replay {
 
   /// Set the frames at which news are taken in: at one all that a peer said at about one time.
   void bring_together();
+  /// Take what is older than the start in there.
+  void carry_to_start();
   bool start();
   /// Whether the copy has the body that is in that slot now: who came since it was made, or took
   /// the place of somebody else, is not in it.
