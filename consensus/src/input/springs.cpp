@@ -130,7 +130,19 @@ void Springs::let_go(Remote& remote, SessionTime when) {
   if (std::exchange(remote.live, false)) share_out(remote.peer, remote.def.body);
 }
 
+bool Springs::forget_let_go(std::span<Remote> all) {
+  const auto oldest =
+      std::min_element(all.begin(), all.end(), [](const Remote& a, const Remote& b) {
+        return a.live != b.live ? b.live : a.heard < b.heard;
+      });
+  if (oldest == all.end() || oldest->live) return false;
+  remote_.erase(remote_.begin() + (&*oldest - remote_.data()));
+  return true;
+}
+
 bool Springs::make_room(PeerId from) {
+  if (of(from).size() >= kMaxPerPeer) return forget_let_go(of(from));
+  if (remote_.size() < kMaxOfAll) return true;
   // Sorted by peer: the longest run. Of that peer what is let go already, then the oldest number.
   std::span<Remote> longest;
   for (std::size_t i = 0; i < remote_.size();) {
@@ -139,10 +151,9 @@ bool Springs::make_room(PeerId from) {
     i += run.size();
   }
   if (longest.size() <= of(from).size() + 1) return false;
-  auto victim = ranges::find(longest, false, &Remote::live);
-  if (victim == longest.end()) victim = longest.begin();
-  let_go(*victim, victim->heard);
-  remote_.erase(remote_.begin() + (&*victim - remote_.data()));
+  if (forget_let_go(longest)) return true;
+  let_go(longest.front(), longest.front().heard);
+  remote_.erase(remote_.begin() + (longest.data() - remote_.data()));
   return true;
 }
 
@@ -191,9 +202,8 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
     if (update.revision < it->last.revision && !successor) return Verdict::Taken;
     if (update.revision == it->last.revision && !later) return Verdict::Taken;
   } else {
-    if (of(from).size() >= kMaxPerPeer) return Verdict::Refused;
     if (update.event == SpringEvent::Remove && update.stiffness <= 0.0) return Verdict::Taken;
-    if (remote_.size() >= kMaxOfAll && !make_room(from)) return Verdict::Refused;
+    if (!make_room(from)) return Verdict::Refused;
     it = remote_.insert(place_of(from, update.spring), {.peer = from});
   }
   const bool moved_body = known && it->live && it->last.body != update.body;
