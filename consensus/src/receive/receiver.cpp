@@ -22,12 +22,12 @@ constexpr SessionTime kMaxAhead = 1'000'000'000;
 /// [.measure]).
 constexpr std::size_t kMaxPeers = 256;
 
-/// Of updates as often as our own, or as 60 a second, all bodies, all springs that one may have and
-/// some more, twice; four updates at once. A member who says more is read no further, and after a
-/// while dropped.
+/// Of updates as often as our own, or as 60 a second, all bodies, four times the springs that one
+/// may have and some more, twice; four updates at once. A member who says more is read no further,
+/// and after a while dropped.
 constexpr double kMinRate = 60.0;
 constexpr double kTimes = 2.0;
-constexpr double kMore = static_cast<double>(Springs::kMaxPerPeer) + 32.0;
+constexpr double kMore = 4.0 * static_cast<double>(Springs::kMaxPerPeer) + 32.0;
 constexpr double kUpdatesAtOnce = 4.0;
 /// s: between two own steps, for what may be read at once.
 constexpr double kLongestGap = 0.5;
