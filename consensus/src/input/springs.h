@@ -20,7 +20,7 @@ namespace tandem::consensus {
 class Springs {
  public:
   /// One peer can keep no more than this alive here; further ones are refused. Ten fingers that
-  /// each hold a pose by three points, twice: a user of the demos has two, a page eight. 64 that
+  /// each hold a pose by three points, twice; a page of the demos takes eight. 64 that
   /// are 100 ms late cost a step of 64 bodies 0.6 ms, 256 2.1 (member_budget_test, [.measure]).
   static constexpr std::size_t kMaxPerPeer = 64;
   /// And all of them; who has most gives one up for who has fewer.
