@@ -54,6 +54,13 @@ SolverBody standing(const World& world, BodyId id) {
   return body;
 }
 
+void normalize_turns(SixDofJointDef& def) {
+  def.frame_a.basis.normalize();
+  def.frame_b.basis.normalize();
+  def.drive.spring.rest.normalize();
+  def.drive.motor.target.normalize();
+}
+
 }  // namespace
 
 JointBlock::JointBlock() : impl_(std::make_unique<Impl>()) {}
@@ -63,8 +70,7 @@ JointId JointBlock::add(const World& world, const SixDofJointDef& def) {
   check_joint(world, def);
   JointRecord record;
   record.def = def;
-  record.def.frame_a.basis.normalize();
-  record.def.frame_b.basis.normalize();
+  normalize_turns(record.def);
   record.alive = true;
   record.refresh();
   weigh_springs(record, world);
@@ -95,8 +101,7 @@ void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) 
   detail::require(def.a == record.def.a, "joint", "a", def.a.index, "the body it was added with");
   detail::require(def.b == record.def.b, "joint", "b", def.b.index, "the body it was added with");
   record.def = def;
-  record.def.frame_a.basis.normalize();
-  record.def.frame_b.basis.normalize();
+  normalize_turns(record.def);
   const int turned = record.turning;
   record.refresh();
   weigh_springs(record, world);
