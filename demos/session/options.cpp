@@ -40,9 +40,26 @@ void read_text(Argument& in, DemoOptions& o) {
   o.*Member = in.text();
 }
 
+/// Null where none is called so.
+const consensus::NamedNetwork* named_network(std::string_view name) {
+  const std::span<const consensus::NamedNetwork> all = consensus::named_networks();
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const auto& network) { return network.name == name; });
+  return found != all.end() ? &*found : nullptr;
+}
+
+std::string network_names() {
+  std::string out = "one of";
+  for (const consensus::NamedNetwork& network : consensus::named_networks()) {
+    out += ' ';
+    out += network.name;
+  }
+  return out;
+}
+
 void read_link(Argument& in, DemoOptions& o) {
-  constexpr std::array<std::string_view, 5> kItems{"loss", "duplicate", "reorder", "bandwidth",
-                                                   "max-state"};
+  constexpr std::array<std::string_view, 6> kItems{"loss",      "duplicate", "reorder",
+                                                   "bandwidth", "max-state", "network"};
   in.items(kItems, [&o](std::string_view key, std::string_view value) {
     if (key == "loss") o.loss = number("--link loss", value, 0.0, 0.99, kChance);
     if (key == "duplicate") o.duplicate = number("--link duplicate", value, 0.0, 0.99, kChance);
@@ -54,6 +71,10 @@ void read_link(Argument& in, DemoOptions& o) {
     if (key == "max-state") {
       o.max_state_bytes = number("--link max-state", value, std::size_t{128}, std::size_t{65536},
                                  "an integer from 128 to 65536 bytes");
+    }
+    if (key == "network") {
+      if (named_network(value) == nullptr) refuse("--link network", value, network_names());
+      o.network = value;
     }
   });
 }
@@ -156,33 +177,11 @@ void read_iterations(Argument& in, DemoOptions& o) {
   }
 }
 
-/// Null where none is called so.
-const consensus::NamedNetwork* named_network(std::string_view name) {
-  const std::span<const consensus::NamedNetwork> all = consensus::named_networks();
-  const auto found = std::find_if(all.begin(), all.end(),
-                                  [&](const auto& network) { return network.name == name; });
-  return found != all.end() ? &*found : nullptr;
-}
-
-std::string network_names() {
-  std::string out = "one of";
-  for (const consensus::NamedNetwork& network : consensus::named_networks()) {
-    out += ' ';
-    out += network.name;
-  }
-  return out;
-}
-
 constexpr DemoOption kOptions[] = {
     {"--peers", Where::Virtual,
      [](Argument& in, DemoOptions& o) { o.peers = in.number(1, 64, "an integer from 1 to 64"); }},
     {"--profile", Where::Virtual,
      [](Argument& in, DemoOptions& o) { o.profile = in.number(0, 5, "an integer from 0 to 5"); }},
-    {"--network", Where::Virtual,
-     [](Argument& in, DemoOptions& o) {
-       o.network = in.text();
-       if (named_network(o.network) == nullptr) refuse(in.name(), o.network, network_names());
-     }},
     {"--link", Where::Virtual, read_link},
     {"--send", Where::Everywhere, read_send},
     {"--listen", Where::Everywhere,

@@ -43,12 +43,11 @@ std::string usage_of_all(std::string_view program) {
 All peers in one process, in virtual time (the default):
   --peers N          peers, 1 to 64 (2)
   --profile 0..5     link: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (3)
-  --network NAME     that the second peer is behind, as people have them: wifi, which stalls for up
-                     to 2 s, swollen, a buffer of 1 s, lopsided, 200 ms there and 20 ms back, or
-                     bursts of loss
   --link KEY=VALUE,..  of each state a chance of loss, duplicate, reorder (0); bandwidth in bit/s in
                      each direction (0 = unlimited); max-state, bytes of the longest packet: 502 is
-                     an MTU of 576 (65536)
+                     an MTU of 576 (65536); network, which the second peer is behind: wifi, which
+                     stalls for up to 2 s, swollen, a buffer of 1 s, lopsided, 200 ms there and
+                     20 ms back, or bursts of loss
 One peer for each process, in wall time; on this machine alone where there is no --key:
   --listen PORT      accept peers here; 0 takes a free port
   --connect HOST:PORT  call a peer; may be repeated; one of a mesh is enough

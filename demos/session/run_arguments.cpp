@@ -28,6 +28,9 @@ class Items {
   void flag(const char* key, bool value) {
     if (value) add(key);
   }
+  void word(const char* key, const std::string& value) {
+    if (!value.empty()) add(std::string(key) + '=' + value);
+  }
   const std::string& text() const { return text_; }
 
  private:
@@ -90,6 +93,7 @@ void write_place(const DemoOptions& o, const DemoOptions& usual, Words& words) {
   link.number("reorder", o.reorder, usual.reorder);
   link.number("bandwidth", o.bandwidth, usual.bandwidth);
   link.number("max-state", o.max_state_bytes, usual.max_state_bytes);
+  link.word("network", o.network);
   words.list("--link", link);
 }
 

@@ -23,7 +23,7 @@ constexpr Sample kVirtual[] = {{"--peers", "3"},
                                {"--profile", "5"},
                                {"--link",
                                 "loss=0.1,duplicate=0.2,reorder=0.30000000000000004,"
-                                "bandwidth=1500,max-state=502"},
+                                "bandwidth=1500,max-state=502,network=wifi"},
                                {"--clock", "none,spread=0.25,off-grid"}};
 constexpr Sample kEverywhere[] = {{"--seconds", "7.5"},
                                   {"--seed", "77"},

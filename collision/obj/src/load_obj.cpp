@@ -32,7 +32,7 @@ std::ptrdiff_t number_after(const std::string& message, const std::string& marke
 using FaultyLines = std::array<std::vector<std::size_t>, 4>;
 
 void tell(std::string_view name, const FaultyLines& lines, std::vector<std::string>& out) {
-  const std::array<const char*, 4> kWords{
+  const std::array<const char*, 4> words{
       nullptr, "faces without area, or that cross themselves, are left out",
       "triangles without area are left out",
       "triangles with another one on the same side of an edge are left out"};
@@ -41,7 +41,7 @@ void tell(std::string_view name, const FaultyLines& lines, std::vector<std::stri
     std::string list;
     for (const std::size_t line : lines[fault])
       list += (list.empty() ? "" : ", ") + std::to_string(line);
-    out.push_back(std::string(name) + ": line " + list + ": " + kWords[fault]);
+    out.push_back(std::string(name) + ": line " + list + ": " + words[fault]);
   }
 }
 
