@@ -192,6 +192,13 @@ void Groups::fill_groups(const Islands& islands, std::span<const BodyProps> prop
   }
 }
 
+static double speed_of(const BodyProps& body, const Groups::Rule& rule) {
+  return body.sleep_speed.value_or(rule.sleep_speed);
+}
+static double spin_of(const BodyProps& body, const Groups::Rule& rule) {
+  return body.sleep_spin.value_or(rule.sleep_spin);
+}
+
 void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                     std::span<const ConstraintEdge> edges, std::span<const double> wanted,
                     std::span<const BodyState> before, std::span<const BodyProps> props,
@@ -205,16 +212,11 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
   if (rule.sleep_after > 0.0) judge_rest(edges, bodies);
   const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   const double share = rule.sleep_after > 0.0 ? dt / (kSteady * rule.sleep_after) : 1.0;
-  const auto speed_of = [&](std::uint32_t i) {
-    return props[i].sleep_speed.value_or(rule.sleep_speed);
-  };
-  const auto spin_of = [&](std::uint32_t i) {
-    return props[i].sleep_spin.value_or(rule.sleep_spin);
-  };
   const auto is_steady = [&](std::uint32_t i) {
     const Vec3 dv = bodies[i].v - before[i].twist.linear;
     const Vec3 dw = bodies[i].w - before[i].twist.angular;
-    return dv.norm() < share * speed_of(i) && dw.norm() < share * spin_of(i);
+    return dv.norm() < share * speed_of(props[i], rule) &&
+           dw.norm() < share * spin_of(props[i], rule);
   };
   // By its places, as what trembles moves nothing: pushed out of an overlap and falling back within
   // each step it would have a speed.
@@ -223,8 +225,8 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     IslandPart& island = islands_[islands.of()[i]];
     island.wanted = std::max(island.wanted, wanted[i]);
     BodyActivity& own = activity[i];
-    const double way = speed_of(i) * rule.sleep_after;
-    const double turn = spin_of(i) * rule.sleep_after;
+    const double way = speed_of(props[i], rule) * rule.sleep_after;
+    const double turn = spin_of(props[i], rule) * rule.sleep_after;
     const bool rests = rule.sleep_after > 0.0 &&
                        keeps_near(bodies[i], before[i].pose, way, turn, own) &&
                        (sprung_[i] == 0 || is_steady(i));

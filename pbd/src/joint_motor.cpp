@@ -31,7 +31,7 @@ bool drive_runs(const JointRecord& record) {
   const BallDrive::Motor& motor = record.def.drive.motor;
   if (motor.mode == MotorMode::Off) return false;
   const bool runs = motor.mode == MotorMode::Velocity ? !motor.velocity.isZero(0.0)
-                                                      : record.drive_left.norm() > kArrived;
+                                                      : record.drive.left.norm() > kArrived;
   return runs && !(record.state.torque.norm() >= kFull * motor.max_torque);
 }
 

@@ -101,15 +101,16 @@ void turn(SolverBody& body, JointSlot& slot, double h) {
     return;
   }
   const Mat3 axes = slot.q.toRotationMatrix();
-  if (slot.inertia_l.isZero(0.0)) {
-    slot.inv_inertia_l = axes.transpose() * body.inv_inertia_w * axes;
-    slot.inertia_l = slot.inv_inertia_l.inverse();
-    slot.principal = principal_axes(slot.inertia_l);
+  LocalInertia& local = slot.local;
+  if (local.inertia.isZero(0.0)) {
+    local.inverse = axes.transpose() * body.inv_inertia_w * axes;
+    local.inertia = local.inverse.inverse();
+    local.principal = principal_axes(local.inertia);
   }
   const Vec3 spin_l = axes.transpose() * (slot.w + body.dtheta / h);
-  const Vec3 momentum_w = axes * (slot.inertia_l * spin_l);
-  Vec3 w_l = slot.inv_inertia_l * (slot.q_start.conjugate() * momentum_w);
-  body.q = free_rotation(slot.q_start, slot.principal, w_l, h);
+  const Vec3 momentum_w = axes * (local.inertia * spin_l);
+  Vec3 w_l = local.inverse * (slot.q_start.conjugate() * momentum_w);
+  body.q = free_rotation(slot.q_start, local.principal, w_l, h);
 }
 
 /// A turn that no gradient reaches is taken in parts: scale the moves to what one iteration may
@@ -199,7 +200,7 @@ bool still_holds(const JointPart& part) {
   bool same = part.progress.holds;
   if (!same) return false;
   part.for_bodies([&](const JointSlot& slot, const SolverBody& body) {
-    same = same && body.dx == slot.seen_dx && body.dtheta == slot.seen_dtheta;
+    same = same && body.dx == slot.seen.dx && body.dtheta == slot.seen.dtheta;
   });
   return same;
 }
@@ -208,8 +209,7 @@ void note_whether_it_holds(const JointPart& part, double left) {
   part.progress.holds = left <= part.ctx.joint_tolerance;
   if (!part.progress.holds) return;
   part.for_bodies([](JointSlot& slot, const SolverBody& body) {
-    slot.seen_dx = body.dx;
-    slot.seen_dtheta = body.dtheta;
+    slot.seen = {body.dx, body.dtheta};
   });
 }
 

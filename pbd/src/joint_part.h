@@ -55,6 +55,23 @@ struct JointRows {
   std::array<double, kCoordinates> start{};  ///< coordinates at the substep's start
 };
 
+/// About the axes of the body, kg m^2.
+struct LocalInertia {
+  Mat3 inertia = Mat3::Zero();
+  Mat3 inverse = Mat3::Zero();
+  PrincipalAxes principal;
+};
+
+struct JointSlotMotion {
+  Vec3 v = Vec3::Zero();         ///< m/s
+  Vec3 momentum = Vec3::Zero();  ///< N m s
+};
+
+struct JointSlotMove {
+  Vec3 dx = Vec3::Zero();      ///< m
+  Vec3 dtheta = Vec3::Zero();  ///< rad
+};
+
 /// A body of a part.
 struct JointSlot {
   double inv_mass = 0.0;
@@ -69,17 +86,13 @@ struct JointSlot {
   Vec3 sum_dtheta = Vec3::Zero();
   Vec3 v = Vec3::Zero();  ///< m/s and rad/s, predicted
   Vec3 w = Vec3::Zero();
-  Vec3 v_start = Vec3::Zero();         ///< m/s, before gravity and other forces; loops only
-  Vec3 momentum_start = Vec3::Zero();  ///< N m s, likewise
-  Quat q_start = Quat::Identity();     ///< at the start of the substep
-  Quat q = Quat::Identity();           ///< predicted
-  bool alone = false;                  ///< no other rows have turned it from there
-  bool carried = false;                ///< what turns it is an impulse at the substep's start
-  Mat3 inertia_l = Mat3::Zero();       ///< kg m^2, as the step began; 0: not asked for yet
-  Mat3 inv_inertia_l = Mat3::Zero();
-  PrincipalAxes principal;      ///< of inertia_l
-  Vec3 seen_dx = Vec3::Zero();  ///< the body's corrections when its part held
-  Vec3 seen_dtheta = Vec3::Zero();
+  JointSlotMotion start;            ///< before gravity and other forces; loops only
+  Quat q_start = Quat::Identity();  ///< at the start of the substep
+  Quat q = Quat::Identity();        ///< predicted
+  bool alone = false;               ///< no other rows have turned it from there
+  bool carried = false;             ///< what turns it is an impulse at the substep's start
+  LocalInertia local;               ///< as the step began; 0: not asked for yet
+  JointSlotMove seen;               ///< the body's corrections when its part held
   // As the plan was made:
   bool turns_freely = false;
   bool primary = false;  ///< the first one of its body

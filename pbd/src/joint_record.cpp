@@ -28,7 +28,7 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
   auto& motor = def.drive.motor;
   io(spring.stiffness, spring.damping, spring.frequency, spring.damping_ratio, spring.rest,
      motor.mode, motor.velocity, motor.target, motor.max_torque, motor.max_speed,
-     def.drive.friction, record.drive_start);
+     def.drive.friction, record.drive.start);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
      record.energy_excess, record.h, record.spring_mass);
   io(state.position, state.swing, state.load, state.force, state.torque, state.residual,
@@ -57,7 +57,8 @@ JointAxis resolved(JointAxis axis, double mass) {
 JointAxis JointRecord::axis(int c) const {
   if (c < 3) return resolved(def.linear[static_cast<std::size_t>(c)], spring_mass[c]);
   if (c < kCone) return resolved(def.angular[static_cast<std::size_t>(c - 3)], spring_mass[c]);
-  if (c >= kDrive) return resolved(drive[static_cast<std::size_t>(c - kDrive)], spring_mass[c]);
+  if (c >= kDrive)
+    return resolved(drive.axes[static_cast<std::size_t>(c - kDrive)], spring_mass[c]);
   JointAxis cone;
   if (def.cone < kUnlimited) cone.freedom = Freedom::Limited;
   cone.lower = -kUnlimited;
@@ -68,18 +69,18 @@ JointAxis JointRecord::axis(int c) const {
 }
 
 void JointRecord::begin_drive(const SolverBody& a, const SolverBody& b, double substep) {
-  drive_start = (a.q * def.frame_a.basis).conjugate() * (b.q * def.frame_b.basis);
+  drive.start = (a.q * def.frame_a.basis).conjugate() * (b.q * def.frame_b.basis);
   const BallDrive::Motor& motor = def.drive.motor;
-  const Vec3 rest = rotation_between(drive_start, def.drive.spring.rest);
-  drive_left = rotation_between(drive_start, motor.target);
+  const Vec3 rest = rotation_between(drive.start, def.drive.spring.rest);
+  drive.left = rotation_between(drive.start, motor.target);
   const double reach = substep * motor.max_speed;
-  const double length = drive_left.norm();
+  const double length = drive.left.norm();
   const Vec3 target = motor.mode == MotorMode::Velocity ? motor.velocity
-                      : length > reach                  ? Vec3(reach / length * drive_left)
-                                                        : drive_left;
+                      : length > reach                  ? Vec3(reach / length * drive.left)
+                                                        : drive.left;
   for (int i = 0; i < 3; ++i) {
-    drive[static_cast<std::size_t>(i)].spring.rest = rest[i];
-    drive[static_cast<std::size_t>(i)].motor.target = target[i];
+    drive.axes[static_cast<std::size_t>(i)].spring.rest = rest[i];
+    drive.axes[static_cast<std::size_t>(i)].motor.target = target[i];
   }
 }
 
@@ -92,13 +93,14 @@ void JointRecord::refresh() {
     if (!locks(axis) && locks(axis + 1) && locks(axis + 2)) turning = axis;
   }
   const BallDrive& d = def.drive;
-  drive.fill({.spring = {.stiffness = d.spring.stiffness,
-                         .damping = d.spring.damping,
-                         .frequency = d.spring.frequency,
-                         .damping_ratio = d.spring.damping_ratio},
-              .motor = {.mode = d.motor.mode, .max_force = d.motor.max_torque},
-              .friction = d.friction});
-  for (int i = 0; i < 3; ++i) drive[static_cast<std::size_t>(i)].motor.target = d.motor.velocity[i];
+  drive.axes.fill({.spring = {.stiffness = d.spring.stiffness,
+                              .damping = d.spring.damping,
+                              .frequency = d.spring.frequency,
+                              .damping_ratio = d.spring.damping_ratio},
+                   .motor = {.mode = d.motor.mode, .max_force = d.motor.max_torque},
+                   .friction = d.friction});
+  for (int i = 0; i < 3; ++i)
+    drive.axes[static_cast<std::size_t>(i)].motor.target = d.motor.velocity[i];
   used = 0;
   passive = true;
   for (int c = 0; c < kCoordinates; ++c) {
@@ -143,7 +145,7 @@ void all_coordinates(const JointRecord& record, const SolverBody& a, const Solve
   c[kCone] = record.turning == 0 ? turn.phi : JointTurn::of(rel).phi;
   Eigen::Map<Vec3> driven(c + kDrive);
   driven.setZero();
-  if ((record.used >> kDrive) != 0) driven = rotation_between(record.drive_start, rel);
+  if ((record.used >> kDrive) != 0) driven = rotation_between(record.drive.start, rel);
 }
 
 void JointRecord::tell(const SolverBody& a, const double* c) {
@@ -233,7 +235,7 @@ void JointRecord::load(ByteReader& in) {
   check(displacement_residual);
   check(state.position);
   check(spring_mass);
-  check(drive_start.coeffs());
+  check(drive.start.coeffs());
   check(state.load);
   if (!finite || h < 0.0 || gap.least < 0.0) in.fail();
 }

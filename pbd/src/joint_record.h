@@ -14,6 +14,13 @@
 namespace tandem::pbd {
 
 /// A joint as the block stores it.
+/// The drive of a ball as of the substep; see JointRecord::begin_drive().
+struct JointDrive {
+  Quat start = Quat::Identity();  ///< frame b to frame a when the substep began
+  Vec3 left = Vec3::Zero();       ///< rad, to the target of its motor from there
+  std::array<JointAxis, 3> axes{};
+};
+
 struct JointRecord {
   SixDofJointDef def;
   JointState state;
@@ -27,14 +34,12 @@ struct JointRecord {
   /// J, what the part that it comes first in has gained; what contacts have left to lose where it
   /// comes second in a part with loops. See limit_energy_gain().
   double energy_excess = 0.0;
-  double h = 0.0;                       ///< s, length of the last substep; 0 before the first
-  double twist_before = 0.0;            ///< rad, twist when the step began
-  Quat drive_start = Quat::Identity();  ///< frame b to frame a when the substep began
-  Vec3 drive_left = Vec3::Zero();       ///< rad, to the target of its motor from there
-  bool broke = false;                   ///< in this step
-  Vec3 spin = Vec3::Zero();             ///< rad/s, of b against a when the step began
-  std::array<JointAxis, 3> drive{};     ///< as of the substep; see begin_drive()
-  std::uint32_t used = 0;               ///< bit per coordinate that may get a row
+  double h = 0.0;             ///< s, length of the last substep; 0 before the first
+  double twist_before = 0.0;  ///< rad, twist when the step began
+  bool broke = false;         ///< in this step
+  Vec3 spin = Vec3::Zero();   ///< rad/s, of b against a when the step began
+  JointDrive drive;
+  std::uint32_t used = 0;     ///< bit per coordinate that may get a row
   std::uint32_t in_part = 0;  ///< bit per coordinate that the last substep has solved in part only
   int turning = 0;            ///< the angular axis that is free alone; 0 (x) where none is
   bool point = false;         ///< all displacements locked alike: rows along the world's axes

@@ -90,7 +90,7 @@ Balance balance(const JointPart& part, const Vec3& mean) {
     if (part.plan.regular) return;
     // Joints meet half of what other forces have added: poses are those between two velocities.
     sum.work -=
-        0.5 * own * dv.dot(slot.v - slot.v_start) + 0.5 * dw.dot(start - slot.momentum_start);
+        0.5 * own * dv.dot(slot.v - slot.start.v) + 0.5 * dw.dot(start - slot.start.momentum);
     sum.disturbed += 0.5 * own * (body.v - slot.v - dv).squaredNorm();
   });
   return sum;

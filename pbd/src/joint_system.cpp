@@ -146,7 +146,7 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
   const JointPart part = part_of(p, records, ctx);
   part.for_bodies([&](JointSlot& slot, const SolverBody& body) {
     slot.q_start = body.q;
-    if (ctx.substep == 0) slot.inertia_l.setZero();
+    if (ctx.substep == 0) slot.local.inertia.setZero();
   });
   if (channel == JointChannel::Real) resync_leapfrog(part);
   if (channel == JointChannel::Displacement) {
@@ -157,8 +157,8 @@ void JointSystem::begin(std::uint32_t p, std::span<JointRecord> records, const S
   }
   if (!part.plan.regular) {
     part.for_bodies([](JointSlot& slot, const SolverBody& body) {
-      slot.v_start = body.v;
-      slot.momentum_start = inverse_where_free(body.inv_inertia_w) * body.w;
+      slot.start.v = body.v;
+      slot.start.momentum = inverse_where_free(body.inv_inertia_w) * body.w;
     });
   }
   if (part.plan.points) {

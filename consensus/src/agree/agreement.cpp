@@ -103,14 +103,13 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) 
     for (std::size_t i = 0; i < found_.stamped.size(); ++i) {
       const Stamped& there = found_.stamped[i];
       if (there.stamp < known) continue;  // nobody knows any more
-      const PeerId peer = found_.states[i].peer;
-      const double share = found_.states[i].share;
+      const PeerEstimate& estimate = found_.states[i];
       // An owner's is all there is to go by.
       replay_->add({.slot = slot,
-                    .peer = peer,
+                    .peer = estimate.peer,
                     .stamp = there.stamp,
-                    .weight = weight_of_share(share),
-                    .carried = share < 1.0 && latecomers_.is_carried(peer),
+                    .weight = weight_of_share(estimate.share),
+                    .carried = estimate.share < 1.0 && latecomers_.is_carried(estimate.peer),
                     .state = there.state});
     }
     wanted.replayed = true;

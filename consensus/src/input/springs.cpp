@@ -130,17 +130,17 @@ void Springs::let_go(Remote& remote, SessionTime when) {
   if (std::exchange(remote.live, false)) share_out(remote.peer, remote.def.body);
 }
 
-bool Springs::forget_let_go(std::span<Remote> all) {
-  const auto oldest =
-      std::min_element(all.begin(), all.end(), [](const Remote& a, const Remote& b) {
-        return a.live != b.live ? b.live : a.heard < b.heard;
-      });
-  if (oldest == all.end() || oldest->live) return false;
-  remote_.erase(remote_.begin() + (&*oldest - remote_.data()));
-  return true;
-}
-
 bool Springs::make_room(PeerId from) {
+  // Of one peer's, what was let go longest ago.
+  const auto forget_let_go = [this](std::span<Remote> all) {
+    const auto oldest =
+        std::min_element(all.begin(), all.end(), [](const Remote& a, const Remote& b) {
+          return a.live != b.live ? b.live : a.heard < b.heard;
+        });
+    if (oldest == all.end() || oldest->live) return false;
+    remote_.erase(remote_.begin() + (&*oldest - remote_.data()));
+    return true;
+  };
   if (of(from).size() >= kMaxPerPeer) return forget_let_go(of(from));
   if (remote_.size() < kMaxOfAll) return true;
   // Sorted by peer: the longest run. Of that peer what is let go already, then the oldest number.

@@ -20,8 +20,8 @@ namespace tandem::consensus {
 class Springs {
  public:
   /// One peer can keep no more than this alive here; further ones are refused. Ten fingers that
-  /// each hold a pose by three points, twice; a page of the demos takes eight. 64 that
-  /// are 100 ms late cost a step of 64 bodies 0.6 ms, 256 2.1 (member_budget_test, [.measure]).
+  /// each hold a pose by three points, twice; a page of the demos takes eight. 64 that are
+  /// 100 ms late cost a step of 64 bodies 0.6 ms, 256 2.1 (member_budget_test, [.measure]).
   static constexpr std::size_t kMaxPerPeer = 64;
   /// And all of them; who has most gives one up for who has fewer.
   static constexpr std::size_t kMaxOfAll = 1024;
@@ -143,8 +143,6 @@ class Springs {
   /// Make a place in remote_ for one more of that peer's, of its own or of who has most.
   /// @return whether there is one
   bool make_room(PeerId from);
-  /// Forget, of those of one peer, what was let go longest ago. @return whether there was any
-  bool forget_let_go(std::span<Remote> all);
   pbd::Tether::Def pull_at(const Remote& remote, SessionTime time) const;
   /// After one of that peer's springs on the body has come, changed or gone.
   void share_out(PeerId from, pbd::BodyId body);
