@@ -18,6 +18,8 @@ constexpr double kFrontSize = 1e-3;
 /// A front deeper than this is not the way out: the triangle faces elsewhere.
 constexpr double kMaxReprojection = 4.0;
 constexpr double kMaxReprojectionSize = 0.05;
+/// m by which a point may lie beside a triangle and still count as over it.
+constexpr double kBesideEdge = 1e-6;
 
 bool by_rank(const MeshPoint& l, const MeshPoint& r) {
   if (l.rank != r.rank) return l.rank < r.rank;
@@ -25,8 +27,26 @@ bool by_rank(const MeshPoint& l, const MeshPoint& r) {
   return l.point.feature < r.point.feature;
 }
 
+/// Whether a point that is `gap` (m) above the triangle is still over it where it meets its plane.
+/// One that has left it by then goes on past a crest, or over to a neighbour that looks after it.
+/// @param way  m, of the triangle against the point, that is left of the step
+bool stays_over(const ConvexCore& t, const Vec3& point, double gap, const Vec3& way) {
+  const double closing = t.front.dot(way);
+  if (gap <= 0.0 || closing <= gap) return true;
+  const Vec3 there = point - gap / closing * way;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 along = t.corners[(k + 1) % 3] - t.corners[k];
+    const Vec3 inwards = t.front.cross(along);
+    const double side = inwards.dot(t.corners[(k + 2) % 3] - t.corners[k]) < 0.0 ? -1.0 : 1.0;
+    if (side * inwards.dot(there - t.corners[k]) < -kBesideEdge * along.norm()) return false;
+  }
+  return true;
+}
+
 /// Contact across the front: what of the shape lies over the triangle, and nothing beside it.
-RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach& reach) {
+/// @param way  m, of the triangle against the shape, that is left of the step
+RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach& reach,
+                           const Vec3& way) {
   const ContactAxis axis = front_axis(a, t);
   RawManifold out;
   out.normal = axis.normal;
@@ -41,6 +61,7 @@ RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach
       const double height = t.front.dot(p - t.corners[0]);
       const double gap = height - a.radius;
       if (gap >= reach.margin || (beside && out.has(clipped.corners[i].feature))) continue;
+      if (!stays_over(t, p, gap, way)) continue;
       out.add({p, p - height * t.front, gap, clipped.corners[i].feature});
     }
   }
@@ -50,7 +71,7 @@ RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach
 template <class Surface>
 RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uint32_t index,
                               const ConvexCore& t, const MeshPose& pose, const Reach& reach,
-                              const Direction& direction) {
+                              const Vec3& way, const Direction& direction) {
   const ContactAxis front = front_axis(a, t);
   const Vec3 hint = -t.front;
   const ContactAxis axis = choose_axis(a, t, direction, &hint);
@@ -59,14 +80,14 @@ RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uin
   const double tolerance = a.radius > 0.0 ? 0.0 : kFrontShare * depth + kFrontSize * a.size;
   const bool is_front = cosine > kSameNormal;
   if (is_front || front.separation >= axis.separation - tolerance) {
-    RawManifold flat = front_manifold(a, t, reach);
+    RawManifold flat = front_manifold(a, t, reach, way);
     if (flat.count > 0) return flat;
   }
   const bool allowed = cosine > kRegionSlop &&
                        normal_allowed(mesh, index, -(pose.rotation.transpose() * axis.normal));
   if (allowed) return build_manifold(a, t, axis, reach);
   if (-front.separation <= kMaxReprojection * depth + kMaxReprojectionSize * a.size) {
-    return front_manifold(a, t, reach);
+    return front_manifold(a, t, reach, way);
   }
   return {};
 }
@@ -174,7 +195,7 @@ static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, st
   // No direction could be (much) better than a front that is overlapped this little; and where
   // the middle is behind the plane, the nearest way out would be the wrong one.
   if (behind || (a.radius == 0.0 && gap >= -kFrontSize * a.size)) {
-    found = front_manifold(a, t, reach);
+    found = front_manifold(a, t, reach, reach.way);
   }
   if (found.count > 0 || behind) return found;
   ++queries;
@@ -182,15 +203,16 @@ static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, st
   Vec3 moved = until_meeting(a, t, reach.way, reach.margin, direction, queries);
   if (direction.status != Direction::Status::Apart) {
     const ConvexCore there = moved_by(t, moved);
-    if (a.radius == 0.0 && !moved.isZero(0.0)) found = front_manifold(a, there, reach);
+    const Vec3 left = reach.way - moved;
+    if (a.radius == 0.0 && !moved.isZero(0.0)) found = front_manifold(a, there, reach, left);
     if (found.count == 0) {
-      found = triangle_manifold(a, mesh, index, there, pose, reach, direction);
+      found = triangle_manifold(a, mesh, index, there, pose, reach, left, direction);
     }
   }
   // Others stop it before it meets this one; over this one it ends.
   if (found.count == 0 && gap - a.radius >= -kFrontSize * a.size && !reach.sweep.isZero(0.0)) {
     moved = reach.sweep;
-    found = front_manifold(a, moved_by(t, moved), reach);
+    found = front_manifold(a, moved_by(t, moved), reach, Vec3::Zero());
   }
   const double back = found.normal.dot(moved);
   for (int i = 0; i < found.count; ++i) {

@@ -356,4 +356,41 @@ TEST_CASE("seams: what passes by an edge, however near, is not thrown off it",
   }
 }
 
+TEST_CASE("seams: what glides over a crest of a mesh without touching it goes on as it was",
+          "[scene][invariant]") {
+  SplitMix64 random(83);
+  SceneOptions options;
+  options.gravity.setZero();
+  for (int i = 0; i < 200; ++i) {
+    const Rider rider = draw_rider(random);
+    const double size = rider.low;
+    const double speed = size / kStep * random.uniform(0.05, 0.3);
+    const double clearance = random.uniform(0.01, 0.15) * size;
+    const double up = random.uniform(0.05, 0.8);
+    const double down = random.uniform(0.05, 0.8);
+    CAPTURE(i, rider.name, size, speed, clearance, up, down);
+    const double reach = 12.0 * size;
+    std::vector<Vec3> points;
+    for (const double x : {-reach, -4.0 * size, 0.0, reach}) {
+      const double z = x < 0.0 ? -4.0 * size * up : x > 0.0 ? -x * down : 0.0;
+      for (const double y : {-reach, reach}) points.emplace_back(x, y, z);
+    }
+    std::vector<TriangleMesh::Triangle> triangles;
+    for (std::uint32_t k = 0; k < 6; k += 2) {
+      triangles.push_back({k, k + 2, k + 3});
+      triangles.push_back({k, k + 3, k + 1});
+    }
+    Scene scene(options);
+    scene.add(TriangleMesh::make(points, triangles), {.type = BodyType::Static});
+    const double start = -6.0 * size - random.unit() * speed * kStep;
+    const BodyId body = scene.add(
+        rider.parts,
+        {.pose = {.position = {start, 0.01 * size, clearance + size}, .orientation = rider.upright},
+         .twist = {.linear = {speed, 0.0, 0.0}}});
+    const int steps = static_cast<int>(12.0 * size / speed / kStep);
+    for (int k = 0; k < steps; ++k) scene.step(kStep);
+    CHECK((scene.world().state(body).twist.linear - Vec3(speed, 0.0, 0.0)).norm() <= 1e-6 * speed);
+  }
+}
+
 }  // namespace seams_test
