@@ -49,7 +49,8 @@ void Latecomers::look() {
   const SendOptions& sending = data_.options.sending;
   double most = older * usual + data_.step_dt + (sending.selects() ? sending.refresh : 0.0);
   if (ages_.size() == 2 && ages_.back() > most) {
-    carried_ = std::ranges::min_element(members_, {}, &Member::newest)->peer;
+    const auto by_newest = [](const Member& l, const Member& r) { return l.newest < r.newest; };
+    carried_ = std::min_element(members_.begin(), members_.end(), by_newest)->peer;
     most = std::max(most, ReplaySchedule::goes_back(data_.options.replay.budget) * data_.step_dt);
   }
   for (Member& member : members_) {
