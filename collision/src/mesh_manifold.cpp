@@ -18,8 +18,6 @@ constexpr double kFrontSize = 1e-3;
 /// A front deeper than this is not the way out: the triangle faces elsewhere.
 constexpr double kMaxReprojection = 4.0;
 constexpr double kMaxReprojectionSize = 0.05;
-/// m by which a point may lie beside a triangle and still count as over it.
-constexpr double kBesideEdge = 1e-6;
 
 bool by_rank(const MeshPoint& l, const MeshPoint& r) {
   if (l.rank != r.rank) return l.rank < r.rank;
@@ -34,13 +32,7 @@ bool stays_over(const ConvexCore& t, const Vec3& point, double gap, const Vec3& 
   const double closing = t.front.dot(way);
   if (gap <= 0.0 || closing <= gap) return true;
   const Vec3 there = point - gap / closing * way;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 along = t.corners[(k + 1) % 3] - t.corners[k];
-    const Vec3 inwards = t.front.cross(along);
-    const double side = inwards.dot(t.corners[(k + 2) % 3] - t.corners[k]) < 0.0 ? -1.0 : 1.0;
-    if (side * inwards.dot(there - t.corners[k]) < -kBesideEdge * along.norm()) return false;
-  }
-  return true;
+  return spans(t.front, t.corners[0], t.corners[1], t.corners[2], there, kOver);
 }
 
 /// Contact across the front: what of the shape lies over the triangle, and nothing beside it.
@@ -209,7 +201,8 @@ static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, st
       found = triangle_manifold(a, mesh, index, there, pose, reach, left, direction);
     }
   }
-  // Others stop it before it meets this one; over this one it ends.
+  // On a surface that rises ahead, other triangles stop the shape first, and its way may end over
+  // this one.
   if (found.count == 0 && gap - a.radius >= -kFrontSize * a.size && !reach.sweep.isZero(0.0)) {
     moved = reach.sweep;
     found = front_manifold(a, moved_by(t, moved), reach, Vec3::Zero());

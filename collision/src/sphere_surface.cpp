@@ -14,8 +14,6 @@ namespace {
 
 /// m: a centre nearer than this to a point has no direction from it.
 constexpr double kOnSurface = 1e-7;
-/// m by which a point may lie beside a triangle and still count as over it.
-constexpr double kOver = 1e-6;
 
 /// A triangle by its corners, and what a sphere wants of it.
 struct Facet {
@@ -39,13 +37,6 @@ struct Facet {
     touch.normal = d / touch.distance;
     touch.beside = true;
     return true;
-  }
-  /// Whether a point is over the triangle or under it.
-  bool spans(const Vec3& point) const {
-    const auto inside = [&](const Vec3& from, const Vec3& to) {
-      return front.dot((to - from).cross(point - from)) >= 0.0;
-    };
-    return inside(p, q) && inside(q, r) && inside(r, p);
   }
 };
 
@@ -73,14 +64,17 @@ struct Ball {
   return true;
 }
 
-/// Where the ball will meet the triangle; on surfaces that rise ahead of it others stop it before,
-/// and it ends over this one.
+/// Where the ball will meet the triangle. On a surface that rises ahead, other triangles stop the
+/// ball first, and its way may end over this one.
 /// @return whether there may be a contact
 bool meet(const Facet& facet, const Ball& ball, SphereTouch& touch) {
   const double size = 2.0 * ball.radius;
   const double height = facet.front.dot(ball.centre - facet.p);
-  if (height - ball.radius >= -kMet * size && !facet.spans(ball.centre) &&
-      facet.spans(ball.centre - ball.sweep)) {
+  const auto spans = [&](const Vec3& point) {
+    return collision::spans(facet.front, facet.p, facet.q, facet.r, point, 0.0);
+  };
+  if (height - ball.radius >= -kMet * size && !spans(ball.centre) &&
+      spans(ball.centre - ball.sweep)) {
     touch.normal = -facet.front;
     touch.distance = height;
     touch.point = ball.centre - height * facet.front;

@@ -24,8 +24,21 @@ inline constexpr double kSameAsBefore = 0.9;
 inline constexpr double kSameNormal = 1.0 - 1e-6;
 /// Sine by which a normal may leave a Voronoi region.
 inline constexpr double kRegionSlop = 1e-4;
+/// m by which a point may lie beside a triangle and still count as over it.
+inline constexpr double kOver = 1e-6;
 /// By what share of its size the box is wider that triangles are searched for.
 inline constexpr double kListShare = 0.25;
+
+/// Whether a point is over the triangle p, q, r or under it, or beside it by no more than `slop`,
+/// m.
+inline bool spans(const Vec3& front, const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& point,
+                  double slop) {
+  const auto inside = [&](const Vec3& from, const Vec3& to) {
+    const Vec3 along = to - from;
+    return front.dot(along.cross(point - from)) >= -slop * along.norm();
+  };
+  return inside(p, q) && inside(q, r) && inside(r, p);
+}
 
 /// What is remembered of a patch of the last step, normal in the mesh frame.
 struct PatchTrace {
