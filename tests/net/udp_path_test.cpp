@@ -223,12 +223,12 @@ TEST_CASE("udp path: a way that is taken away is kept by nobody, and another one
     a.disconnect(*here);
     CHECK_FALSE(connected(a, 2));
     // A datagram that the other end is sending holds it for a moment.
-    CHECK(eventually([&] { return here.use_count() == 1; }));
+    CHECK(eventually([&way = here] { return way.use_count() == 1; }));
     // The other one has been told.
     REQUIRE(eventually([&] { return !connected(b, 1); }));
     b.disconnect(*there);
     b.disconnect(*there);
-    CHECK(eventually([&] { return there.use_count() == 1; }));
+    CHECK(eventually([&way = there] { return way.use_count() == 1; }));
   }
 }
 
