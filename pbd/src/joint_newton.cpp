@@ -159,8 +159,8 @@ double move_bodies(const JointPart& part) {
 /// stays there. Which ones leave it again the next iteration finds.
 double newton_by_pieces(const JointPart& part) {
   JointProgress& progress = part.progress;
-  progress.changed = joint_six_dof::evaluate(part);
-  progress.pinned = false;
+  progress.changed = joint_six_dof::evaluate(part) || progress.left_pieces;
+  progress.pinned = progress.left_pieces = false;
   double largest = 0.0;
   for (bool done = false; !done;) {
     if (progress.changed || !progress.factored) {
@@ -203,6 +203,15 @@ bool still_holds(const JointPart& part) {
     same = same && body.dx == slot.seen.dx && body.dtheta == slot.seen.dtheta;
   });
   return same;
+}
+
+/// Whether the first iteration has moved a row to another piece of its law: onto a limit, say, that
+/// gravity alone did not reach. Later ones find that as they begin.
+bool leaves_pieces(const JointPart& part) {
+  JointProgress& progress = part.progress;
+  if (part.plan.points || progress.iteration > 1) return false;
+  progress.left_pieces = joint_six_dof::evaluate(part);
+  return progress.left_pieces;
 }
 
 void note_whether_it_holds(const JointPart& part, double left) {
@@ -265,7 +274,8 @@ double iterate(const JointPart& part) {
 double newton_iteration(const JointPart& part) {
   const bool same_turn = part.progress.position_iteration == part.ctx.iteration;
   if (same_turn && still_holds(part)) return 0.0;
-  const double left = iterate(part);
+  double left = iterate(part);
+  if (left <= part.ctx.joint_tolerance && leaves_pieces(part)) left = kTrust;
   note_whether_it_holds(part, left);
   return left;
 }

@@ -109,8 +109,9 @@ struct JointProgress {
   bool prepared = false;
   bool holds = false;  ///< nothing has to move by more than the tolerance
   bool factored = false;
-  bool changed = false;  ///< the last iteration had other rows than the one before
-  bool pinned = false;   ///< rows have come to a corner of their law in it
+  bool changed = false;      ///< the last iteration had other rows than the one before
+  bool pinned = false;       ///< rows have come to a corner of their law in it
+  bool left_pieces = false;  ///< its moves brought rows to other pieces of theirs
   int iteration = 0;
   bool restarted = false;
   int softened = 0;     ///< how often; see adds_energy()

@@ -249,6 +249,15 @@ TEST_CASE("joint start: a load on the limit comes back with it, and rests", "[pb
   }
 }
 
+TEST_CASE("joint start: a limit holds in steps in which nothing moves by the tolerance",
+          "[pbd][joint]") {
+  Arm arm(-3.0, 0.0, 0.0);
+  Solver coarse({.substeps = 10, .joint_tolerance = 1e-3, .sleep_after = 0.0});
+  for (int i = 0; i < 60; ++i) coarse.step(arm.world, kFrame);
+  CHECK(arm.world.twist(arm.body).angular.norm() < 1e-3);
+  CHECK(arm.angle() == Approx(0.0).margin(1e-5));
+}
+
 TEST_CASE("joint start: a limit that is met at speed stops what moves", "[pbd][joint]") {
   // Not by displacement: it has to stop within the step.
   Arm arm(-3.0, 0.5, -1.0);
