@@ -36,6 +36,23 @@ constexpr int kHoldSweeps = 4;
 /// m, at which turning counts beside moving where one number stands for both.
 constexpr double kLeverArm = 0.1;
 
+/// Bodies that close a joint's gap leave overlaps slowly. Where a blow has left a limb on the wrong
+/// side of something, contacts and the joint want it in two places: pushed at full speed it goes to
+/// and fro between them. Of five heaps of 27 ragdolls each 17 to 76 bodies trembled after 8 s, at
+/// up to 1.1 m/s, and joints were 9 mm to 1 m apart (p99); now 2 do and joints are 0.3 mm apart. At
+/// 0.02 m/s one doll in ten does not fall asleep, at 0 what has been pressed in stays there.
+void yield_to_gaps(const SubstepContext& ctx) {
+  constexpr double kSlow = 0.005;  // m/s
+  for (const std::uint32_t i : ctx.members) {
+    SolverBody& body = ctx.bodies[i];
+    if (!body.shared || body.agreed) continue;
+    const double fast = std::max(body.v_push.norm(), kLeverArm * body.w_push.norm());
+    if (fast <= kSlow) continue;
+    body.v_push *= kSlow / fast;
+    body.w_push *= kSlow / fast;
+  }
+}
+
 /// What is known of a contact at the end of a step.
 void finish_contact(Contact& contact, std::span<const SolverBody> bodies, double& worst) {
   const Manifold& m = contact.manifold;
@@ -281,9 +298,10 @@ double ContactBlock::project(const SubstepContext& ctx) {
   for (const std::uint32_t body : ctx.members) m.pushed[body] = 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     const ContactRows& rows = m.rows[k];
-    m.push(rows, static_cast<LaneMask>(rows.penetrating & ~m.shared(rows, ctx)), m.kernels->push,
+    m.push(rows, static_cast<LaneMask>(rows.penetrating & ~m.agreed(rows, ctx)), m.kernels->push,
            numbers);
   });
+  if (ctx.shared) yield_to_gaps(ctx);
   return change;
 }
 
@@ -292,7 +310,7 @@ double ContactBlock::project_displacement(const SubstepContext& ctx) {
   double fastest = 0.0;
   for (const std::uint32_t i : ctx.members) {
     const SolverBody& body = ctx.bodies[i];
-    m.pushed[i] = body.shared && !(body.v_push.isZero(0.0) && body.w_push.isZero(0.0)) ? 1 : 0;
+    m.pushed[i] = body.agreed && !(body.v_push.isZero(0.0) && body.w_push.isZero(0.0)) ? 1 : 0;
     if (m.pushed[i] == 0) continue;
     const double rim = kLeverArm * body.w_push.norm();
     fastest = std::max(fastest, body.v_push.squaredNorm() + rim * rim);
@@ -304,7 +322,7 @@ double ContactBlock::project_displacement(const SubstepContext& ctx) {
   for (int i = 0; i < sweeps; ++i) {
     m.order.sweep(ctx.group, (i % 2 == 0) == ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
       const ContactRows& rows = m.rows[k];
-      const auto meant = static_cast<LaneMask>(rows.penetrating & m.shared(rows, ctx));
+      const auto meant = static_cast<LaneMask>(rows.penetrating & m.agreed(rows, ctx));
       m.push(rows, meant, m.kernels->hold, numbers);
     });
   }

@@ -43,7 +43,7 @@ void begin(const JointPart& part) {
     const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
     const bool left = ctx.substep > 0 && (a.pushed || b.pushed);
-    const bool shared = a.shared || b.shared;
+    const Displaced displaced(a, b);
     const JointPlace place = JointPlace::of(record.def, a, b);
     for (int i = 0; i < 3; ++i) {
       node.r_a[i] = place.r_a[i];
@@ -56,7 +56,7 @@ void begin(const JointPart& part) {
       ForceLaw law;
       if (part.progress.channel == JointChannel::Real) {
         double& residual = record.displacement_residual[i];
-        residual = residual_at_start(axis, place.d[i], residual, left, shared, ctx.h, kLeft);
+        residual = residual_at_start(axis, place.d[i], residual, left, displaced, ctx.h, kLeft);
         law = force_law(axis, place.d[i], residual, ctx.h);
       } else {
         law = displacement_law(axis, record.bound[i], ctx.h);

@@ -299,12 +299,14 @@ void Solver::Impl::collect_targets() {
   report_.targets = targets_.size();
 }
 
-/// Islands with a gap are displaced as those with a target are.
+/// What joints hold together and has a gap is displaced as an island with a target is. Contacts
+/// have no say in it: what a blow has left on the wrong side of something could never come back.
 void Solver::Impl::note_gaps() {
   bool gaps = false;
   for_blocks([&](const ConstraintBlock& block) { gaps = gaps || block.has_gaps(); });
   if (!gaps) return;
-  targets_.mark_islands(islands_.of(), bodies_.all());
+  joined_.build(edges_.without_contacts(), bodies_.all());
+  targets_.mark_gaps(joined_.of(), bodies_.all());
   context_.shared = true;
 }
 

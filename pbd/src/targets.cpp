@@ -35,6 +35,7 @@ bool is_round(const BodyProps& props) {
 void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBody> bodies,
                          std::span<const BodyState> states, double dt) {
   rows_.clear();
+  set_of_ = {};
   for (const PoseTarget& target : targets) {
     const SolverBody& body = bodies[target.body.index];
     if (body.inv_mass == 0.0 || !(target.share > 0.0)) continue;
@@ -57,22 +58,25 @@ void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBo
 
 void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies) {
   row_of_.assign(bodies.size(), BodyId::kNone);
-  marked_.assign(bodies.size(), kNotMarked);
-  gaps_ = false;
+  marked_.assign(bodies.size(), 0);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     row_of_[rows_[k].body] = static_cast<std::uint32_t>(k);
-    marked_[island_of[rows_[k].body]] = kTarget;
+    marked_[island_of[rows_[k].body]] = 1;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    Mark& mark = marked_[island_of[i]];
-    if (!bodies[i].shared || mark != kNotMarked) continue;
-    mark = kGap;
-    gaps_ = true;
+    bodies[i].shared = bodies[i].agreed = bodies[i].is_solved() && marked_[island_of[i]] != 0;
+  }
+}
+
+void Targets::mark_gaps(std::span<const std::uint32_t> set_of, std::span<SolverBody> bodies) {
+  set_of_ = set_of;
+  if (rows_.empty()) row_of_.assign(bodies.size(), BodyId::kNone);
+  marked_.assign(bodies.size(), 0);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].shared && !bodies[i].agreed) marked_[set_of[i]] = 1;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Mark mark = bodies[i].is_solved() ? marked_[island_of[i]] : kNotMarked;
-    bodies[i].shared = mark != kNotMarked;
-    bodies[i].agreed = mark == kTarget;
+    if (bodies[i].is_solved() && marked_[set_of[i]] != 0) bodies[i].shared = true;
   }
 }
 
@@ -157,19 +161,20 @@ void Targets::to_velocities(std::span<SolverBody> bodies, double h) {
 }
 
 void Targets::limit_closing(std::span<SolverBody> bodies) {
-  if (!gaps_) return;
+  if (set_of_.empty()) return;
   excess_.assign(bodies.size(), 1.0);
   for (const Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];
-    if (marked_[body.island] != kGap) continue;
-    double& excess = excess_[body.island];
+    if (body.agreed) continue;
+    double& excess = excess_[set_of_[saved.body]];
     excess =
         std::max({excess, body.v_push.norm() / kClosingSpeed, body.w_push.norm() / kClosingSpin});
   }
   for (const Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
-    body.v_push /= excess_[body.island];
-    body.w_push /= excess_[body.island];
+    if (body.agreed) continue;
+    body.v_push /= excess_[set_of_[saved.body]];
+    body.w_push /= excess_[set_of_[saved.body]];
   }
 }
 
@@ -188,7 +193,7 @@ void Targets::end(std::span<const SolverBody> bodies, std::span<const BodyProps>
                   std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy) {
   for (const Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];
-    if (marked_[body.island] == kGap) continue;  // nobody has agreed on anything
+    if (!body.agreed) continue;  // nobody has agreed on anything
     const Vec3 moved = body.x - saved.x;
     corrections[saved.body].translation += moved;
     corrections[saved.body].rotation += saved.turn;

@@ -32,6 +32,9 @@ class Targets {
   /// marked already.
   /// @param island_of  by body
   void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
+  /// Mark what joints hold to a body that is marked for its gap.
+  /// @param set_of  by body: which ones joints hold together, in any numbers; kept for the step
+  void mark_gaps(std::span<const std::uint32_t> set_of, std::span<SolverBody> bodies);
 
   /// The methods below concern the bodies of this group, until the next call.
   void select_group(const Group& group, std::span<const SolverBody> bodies);
@@ -58,8 +61,8 @@ class Targets {
            std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);
 
  private:
-  /// Islands that only close gaps are displaced as a whole no faster than gaps may close. What
-  /// their rows lack then is gap as well.
+  /// What closes gaps is displaced as a whole no faster than gaps may close. What its rows lack
+  /// then is gap as well.
   void limit_closing(std::span<SolverBody> bodies);
 
   struct Row {
@@ -74,7 +77,6 @@ class Targets {
     Vec3 e_v = Vec3::Zero();  ///< m/s
     Vec3 e_w = Vec3::Zero();  ///< rad/s
   };
-  enum Mark : std::uint8_t { kNotMarked, kTarget, kGap };
   struct Saved {
     std::uint32_t body = 0;
     Vec3 x;
@@ -84,12 +86,12 @@ class Targets {
   };
 
   std::vector<Row> rows_;
-  std::vector<std::uint32_t> in_group_;  ///< indices of the selected group's rows
-  std::vector<Saved> saved_;             ///< the selected group's bodies in islands with a target
-  std::vector<Mark> marked_;             ///< by island
-  bool gaps_ = false;                    ///< some island only closes gaps
-  std::vector<double> excess_;           ///< by island, see limit_closing()
-  std::vector<std::uint32_t> row_of_;    ///< by body; kNone without
+  std::vector<std::uint32_t> in_group_;    ///< indices of the selected group's rows
+  std::vector<Saved> saved_;               ///< the selected group's bodies that are displaced
+  std::vector<std::uint8_t> marked_;       ///< by island, or by set
+  std::span<const std::uint32_t> set_of_;  ///< empty where no gap is closed in this step
+  std::vector<double> excess_;             ///< by set, see limit_closing()
+  std::vector<std::uint32_t> row_of_;      ///< by body; kNone without
 };
 
 }  // namespace tandem::pbd

@@ -7,6 +7,7 @@
 
 #include "support/bodies.h"
 #include "support/catch.h"
+#include "tandem/pbd/random.h"
 
 namespace ragdoll_test {
 
@@ -111,6 +112,44 @@ TEST_CASE("ragdoll: a heap of eighteen loses energy", "[scene][invariant]") {
     CHECK(rise < 1e-2 * start);
     CHECK(before < 0.2 * start);
   }
+}
+
+/// Boxes of 7 to 400 kg fall on dolls, which end up between them in all ways.
+TEST_CASE("ragdoll: under heavy boxes it lies still, and its joints hold", "[scene][invariant]") {
+  int torn = 0, restless = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    pbd::SplitMix64 draw(2400 + seed);
+    Scene scene;
+    scene.add(HalfSpace{}, {.type = BodyType::Static});
+    const auto above = [&](double height) {
+      Quat turn(draw.uniform(-1.0, 1.0), draw.uniform(-1.0, 1.0), draw.uniform(-1.0, 1.0),
+                draw.uniform(-1.0, 1.0));
+      return Pose{Vec3(draw.uniform(-0.4, 0.4), draw.uniform(-0.4, 0.4), height),
+                  turn.normalized()};
+    };
+    for (int i = 0; i < 2; ++i) Ragdoll(scene, {.pose = above(1.2 + 1.2 * i), .damping = 2.0});
+    for (int i = 0; i < 3; ++i) {
+      const double half = draw.uniform(0.15, 0.6);
+      scene.add(Box{half, half, half},
+                {.mass = std::exp(draw.uniform(2.0, 6.0)), .pose = above(3.6 + 1.5 * i)});
+    }
+    for (int i = 0; i < 480; ++i) scene.step(kStep);
+    double apart = 0.0, speed = 0.0;
+    for (int i = 0; i < 10; ++i) {
+      REQUIRE(scene.step(kStep).status == pbd::StepStatus::Ok);
+      for (const pbd::JointId id : pbd::joint_ids(scene.joints())) {
+        apart = std::max(apart, scene.joints().at(id).residual);
+        speed = std::max(speed, scene.world().twist(scene.joints().def(id).b).linear.norm());
+      }
+    }
+    torn += apart > 0.005 ? 1 : 0;  // m or rad
+    restless += speed > 0.4 ? 1 : 0;
+    CAPTURE(apart, speed);
+    UNSCOPED_INFO("seed " << seed << ": " << apart << ", " << speed << " m/s");
+    CHECK(apart < 0.05);
+  }
+  CHECK(torn <= 1);
+  CHECK(restless == 0);
 }
 
 TEST_CASE("ragdoll: refuses what cannot be, by name", "[scene][input]") {

@@ -44,7 +44,7 @@ struct alignas(64) TANDEM_API SolverBody {
   std::uint32_t island = 0;    ///< lowest index of a body of its island
   /// Bodies of one group are solved together, with the same substeps. kNoGroup: immovable, asleep.
   std::uint32_t group = kNoGroup;
-  bool shared = false;  ///< its island has a target in this step, or a joint's gap to close
+  bool shared = false;  ///< its island has a target in this step, or its joints a gap to close
   bool agreed = false;  ///< its island has a target: what joints violate there is agreement's
   /// Some row of a block before contacts names it: its predicted pose is made before they project.
   bool projected = false;
