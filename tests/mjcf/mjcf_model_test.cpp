@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "models.h"
 #include "support/bodies.h"
 #include "support/catch.h"
 #include "support/folder.h"
@@ -20,21 +21,6 @@ namespace {
 
 using namespace tandem;
 using tandem::testing::refusal;
-
-SceneFile model(const std::string& inside) {
-  return parse_mjcf(std::string("<mujoco>") + inside + "</mujoco>");
-}
-SceneFile world(const std::string& inside) {
-  return model(std::string("<worldbody>") + inside + "</worldbody>");
-}
-void run(SceneFile& file, double seconds) {
-  for (int i = 0; i < static_cast<int>(seconds * 240.0); ++i) file.scene.step(1.0 / 240.0);
-}
-bool is_told(const SceneFile& file, const std::string& what) {
-  return std::any_of(file.warnings.begin(), file.warnings.end(), [&](const std::string& warning) {
-    return warning.find(what) != std::string::npos;
-  });
-}
 
 TEST_CASE("mjcf: bodies without joints are parts of the one that moves", "[mjcf]") {
   SceneFile file = world(

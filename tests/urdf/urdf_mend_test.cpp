@@ -145,8 +145,9 @@ TEST_CASE("urdf: what is true of many links is told once", "[urdf]") {
     const std::string number = std::to_string(i);
     const std::string name = "l" + number;
     text += link(name, inertial(1.0, "ixx='0' iyy='0' izz='0'"));
-    text += joint("j" + number, "revolute", "l0", name,
-                  "<limit lower='-1' upper='1' effort='1' velocity='1'/><dynamics friction='1'/>");
+    text += joint(
+        "j" + number, "revolute", "l0", name,
+        "<limit lower='-1' upper='1' effort='1' velocity='1'/><safety_controller k_velocity='1'/>");
   }
   const SceneFile file = parse_urdf(text + "</robot>");
   REQUIRE(file.warnings.size() == 2);

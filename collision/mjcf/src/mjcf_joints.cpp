@@ -11,6 +11,7 @@ namespace {
 
 /// Sine or cosine of the angle between axes that are at right angles or parallel.
 constexpr double kAligned = 1e-6;
+constexpr const char* kBackwards = "its coordinate runs the other way here, limits and all";
 
 /// A body's joints: slides, and at most one that turns it.
 struct Chain {
@@ -35,9 +36,21 @@ class JointReader {
     // Body b slides along the axes of body a: the child along its parent's, or, where it has been
     // turned before, the parent along those of the child, backwards.
     const double sign = chain_.turn_first ? -1.0 : 1.0;
-    pbd::SixDofJointDef def = pbd::six_dof_joint_at(world, chain_.turn_first ? child : parent,
-                                                    chain_.turn_first ? parent : child, anchor, x);
-    set_axes(def, world, x);
+    // Friction of a ball, too, is about the axes of body a: in MuJoCo those of the child.
+    const bool dry_ball = turn >= 0 && is_ball(turn) && chain_.slides.empty() &&
+                          dry_friction(m_.jnt_dofadr[turn]) > 0.0;
+    const bool child_first = chain_.turn_first || dry_ball;
+    pbd::SixDofJointDef def = pbd::six_dof_joint_at(world, child_first ? child : parent,
+                                                    child_first ? parent : child, anchor, x);
+    if (dry_ball) {
+      const pbd::Mat3 own = frame_.orientation.toRotationMatrix();
+      pbd::Mat3 basis;
+      basis << own.col(2), own.col(0), own.col(1);  // MuJoCo's axis of balls is z
+      set_basis(def, world, Quat(basis));
+      model_.warn(mjOBJ_JOINT, turn, kBackwards);
+    } else {
+      set_axes(def, world, x);
+    }
     for (auto* axes : {&def.linear, &def.angular}) {
       for (pbd::JointAxis& one : *axes) one.freedom = pbd::Freedom::Locked;
     }
@@ -101,22 +114,38 @@ class JointReader {
     const Vec3 y = left ? across[1] : across[0];
     pbd::Mat3 basis;
     basis << x, y, x.cross(y);
-    const Quat turn(basis);
-    def.frame_a.basis = (world.pose(def.a).orientation.conjugate() * turn).normalized();
-    def.frame_b.basis = (world.pose(def.b).orientation.conjugate() * turn).normalized();
+    set_basis(def, world, Quat(basis));
+  }
+
+  static void set_basis(pbd::SixDofJointDef& def, const pbd::World& world, const Quat& basis) {
+    def.frame_a.basis = (world.pose(def.a).orientation.conjugate() * basis).normalized();
+    def.frame_b.basis = (world.pose(def.b).orientation.conjugate() * basis).normalized();
   }
 
   void ball(pbd::SixDofJointDef& def, int j) {
-    for (pbd::JointAxis& one : def.angular) {
-      one = {};
-      if (!model_.off(mjDSBL_PASSIVE)) one.spring.damping = m_.dof_damping[m_.jnt_dofadr[j]];
+    const int dof = m_.jnt_dofadr[j];
+    for (pbd::JointAxis& one : def.angular) one = {};
+    if (!model_.off(mjDSBL_PASSIVE)) {
+      def.drive.spring = {.stiffness = m_.jnt_stiffness[j], .damping = m_.dof_damping[dof]};
     }
+    def.drive.friction = dry_friction(dof);
+    if (def.drive.friction > 0.0 && !chain_.slides.empty()) {
+      model_.warn(mjOBJ_JOINT, j, "frictionloss of a ball beside slides is about their axes");
+    }
+    tell_armature(j);
     if (m_.jnt_limited[j] && !model_.off(mjDSBL_LIMIT)) {
       def.cone = m_.jnt_range[2 * j + 1];
       model_.warn(mjOBJ_JOINT, j, "its range bounds the swing, not the twist");
     }
-    if (m_.jnt_stiffness[j] != 0.0 && !model_.off(mjDSBL_PASSIVE)) {
-      model_.warn(mjOBJ_JOINT, j, "springs of balls are not read");
+  }
+
+  /// N or N m. MuJoCo has it of each degree of freedom: of a ball about each axis of the child.
+  double dry_friction(int dof) const {
+    return model_.off(mjDSBL_FRICTIONLOSS) ? 0.0 : m_.dof_frictionloss[dof];
+  }
+  void tell_armature(int j) {
+    if (m_.dof_armature[m_.jnt_dofadr[j]] != 0.0) {
+      model_.warn(mjOBJ_JOINT, j, "armature is not read");
     }
   }
 
@@ -137,13 +166,9 @@ class JointReader {
                      .rest = sign * (m_.qpos_spring[m_.jnt_qposadr[j]] - zero),
                      .damping = m_.dof_damping[dof]};
     }
-    if (sign < 0.0) {
-      model_.warn(mjOBJ_JOINT, j, "its coordinate runs the other way here, limits and all");
-    }
-    if (m_.dof_frictionloss[dof] != 0.0 && !model_.off(mjDSBL_FRICTIONLOSS)) {
-      model_.warn(mjOBJ_JOINT, j, "frictionloss is not read");
-    }
-    if (m_.dof_armature[dof] != 0.0) model_.warn(mjOBJ_JOINT, j, "armature is not read");
+    if (sign < 0.0) model_.warn(mjOBJ_JOINT, j, kBackwards);
+    axis.friction = dry_friction(dof);
+    tell_armature(j);
   }
 
   Model& model_;

@@ -189,12 +189,21 @@ void Reader::add_joints(int b) {
   Body& body = at(b);
   const int first = m_.body_jntadr[b];
   const int count = m_.body_jntnum[b];
-  if (count == 0 || m_.jnt_type[first] == mjJNT_FREE) return;
+  if (count == 0) return;
+  if (m_.jnt_type[first] == mjJNT_FREE) return tell_free_joint(first);
   scene_files::require_within(model_.where(mjOBJ_BODY, b), limits_.add(&SceneLimits::joints));
   const BodyId parent = at(at(m_.body_parentid[b]).lead).id;
   joints_.push_back({b, model_.guard(mjOBJ_BODY, b, [&] {
                        return joint_def(model_, b, out_.scene.world(), parent, body.id, body.frame);
                      })});
+}
+
+void Reader::tell_free_joint(int j) {
+  const int dof = m_.jnt_dofadr[j];
+  if (m_.dof_frictionloss[dof] != 0.0 && !model_.off(mjDSBL_FRICTIONLOSS)) {
+    model_.warn(mjOBJ_JOINT, j, "frictionloss of free joints is not read");
+  }
+  if (m_.dof_armature[dof] != 0.0) model_.warn(mjOBJ_JOINT, j, "armature is not read");
 }
 
 /// Moves all to where they start, and holds them there. Until now they stand at qpos0, which is the

@@ -44,6 +44,7 @@ class Reader {
   collision::Hull hull(int geom);
   collision::Hull hull_of(int mesh, const std::vector<Vec3>& points);
   void add_joints(int body);
+  void tell_free_joint(int joint);
   void start();
   void set_poses(const std::vector<mjtNum>& coordinates);
   void tell_rest();

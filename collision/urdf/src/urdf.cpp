@@ -271,7 +271,11 @@ class UrdfReader {
     pbd::JointAxis axis;
     if (joint.dynamics) {
       axis.spring.damping = joint.dynamics->damping;
-      if (joint.dynamics->friction != 0.0) warn("friction is not read");
+      axis.friction = joint.dynamics->friction;
+      if (joint.type == urdf::Joint::PLANAR &&
+          (axis.spring.damping != 0.0 || axis.friction != 0.0)) {
+        warn("damping and friction of planar joints are not read");
+      }
     }
     if (joint.limits && joint.type != urdf::Joint::CONTINUOUS) {
       axis.freedom = pbd::Freedom::Limited;

@@ -23,13 +23,13 @@ struct TANDEM_API MjcfOptions {
 
 /// A model by MJCF, compiled by Debian's MuJoCo: bodies at qpos0, a keyframe, or as near to it as
 /// ranges let them, with the masses that MuJoCo finds,
-/// geoms, joints with ranges, springs and damping, gravity. Bodies without joints are parts of
-/// those that they are fixed to; SceneFile::pose() is that of any body's frame. Mocap bodies are
-/// kinematic. Geoms meet by their contype and conaffinity as in MuJoCo, but bodies of one tree do
-/// not meet each other. A body may have one joint, or slides at right angles to each other and a
-/// hinge or ball, in the file's order; others are refused. What is not read is told as warnings, by
-/// docs/scene_files.md. MuJoCo reads what the model includes, wherever that is: of models of
-/// strangers, parse text, which has no files beside it.
+/// geoms, joints with ranges, springs, damping and dry friction, gravity. Bodies without joints are
+/// parts of those that they are fixed to; SceneFile::pose() is that of any body's frame. Mocap
+/// bodies are kinematic. Geoms meet by their contype and conaffinity as in MuJoCo, but bodies of
+/// one tree do not meet each other. A body may have one joint, or slides at right angles to each
+/// other and a hinge or ball, in the file's order; others are refused. What is not read is told as
+/// warnings, by docs/scene_files.md. MuJoCo reads what the model includes, wherever that is: of
+/// models of strangers, parse text, which has no files beside it.
 /// @throws SceneFileError
 /// @par Thread safety  One call at a time in a process, as MuJoCo has it.
 TANDEM_API SceneFile load_mjcf(const std::filesystem::path& path, const MjcfOptions& options = {});

@@ -28,10 +28,10 @@ struct TANDEM_API UrdfOptions {
 };
 
 /// A robot by URDF, read with Debian's urdfdom: links as bodies, at all joints' zero or as
-/// near to it as limits let them, joints with limits, damping and effort. Links on fixed joints are
-/// parts of the body that they are fixed to, with their inertia; SceneFile::pose() is that of any
-/// link's frame. Links of one robot do not meet each other. Told as warnings: meshes, friction of
-/// joints, mimic joints, transmissions and what else urdfdom does not know, masses of 0 and
+/// near to it as limits let them, joints with limits, damping, dry friction and effort. Links on
+/// fixed joints are parts of the body that they are fixed to, with their inertia; SceneFile::pose()
+/// is that of any link's frame. Links of one robot do not meet each other. Told as warnings:
+/// meshes, mimic joints, transmissions and what else urdfdom does not know, masses of 0 and
 /// inertias that no body can have.
 /// @throws SceneFileError
 TANDEM_API SceneFile load_urdf(const std::filesystem::path& path, const UrdfOptions& options = {});

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// What acts along the coordinates of a model's joints: dry friction, damping and springs.
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "models.h"
+#include "support/catch.h"
+
+namespace mjcf_test {
+namespace {
+
+using namespace tandem;
+
+TEST_CASE("mjcf: frictionloss takes its share of a force, and holds what is below it", "[mjcf]") {
+  // 2 kg and 6 N along x; the classes say how much of it friction takes.
+  const auto moved = [](const std::string& flag) {
+    SceneFile file =
+        model("<option gravity='3 0 0'>" + flag +
+              "</option><default><default class='rough'><joint frictionloss='4'/></default>"
+              "<default class='stuck'><joint frictionloss='6.1'/></default></default><worldbody>"
+              "<body name='rough'><joint class='rough' type='slide' axis='1 0 0'/>"
+              "<geom size='.1' mass='2'/></body>"
+              "<body name='stuck' pos='0 1 0'><joint class='stuck' type='slide' axis='-1 0 0'/>"
+              "<geom size='.1' mass='2'/></body></worldbody>");
+    CHECK(file.warnings.empty());
+    run(file, 1.0);
+    return std::pair{file.pose("rough").position.x(), file.pose("stuck").position.x()};
+  };
+  const auto [rough, stuck] = moved("");
+  CHECK(rough == Approx(0.5 * (6.0 - 4.0) / 2.0).epsilon(1e-2));
+  CHECK(std::abs(stuck) < 1e-9);
+  for (const char* flag : {"frictionloss", "constraint"}) {
+    const auto [free, too] = moved(std::string("<flag ") + flag + "='disable'/>");
+    CHECK(free == Approx(1.5).epsilon(1e-2));
+    CHECK(too == Approx(1.5).epsilon(1e-2));
+  }
+  // A hinge: 2 kg at 1 m, with the moment of the ball itself.
+  SceneFile hinge = model(
+      "<option gravity='0 0 0'/><worldbody><body name='b'><joint name='j' axis='0 0 1' "
+      "frictionloss='3'/><geom size='.1' pos='1 0 0' mass='2'/></body></worldbody>");
+  hinge.scene.world().set_twist(hinge.find("b"), {{0.0, 2.0, 0.0}, {0.0, 0.0, 2.0}});
+  run(hinge, 3.0);
+  const double moment = 2.0 + 0.4 * 2.0 * 0.01;
+  CHECK(hinge.scene.joints().hinge_angle(hinge.find_joint("j")) ==
+        Approx(0.5 * moment * 4.0 / 3.0).epsilon(1e-2));
+}
+
+/// A ball of 10 kg and 0.2 m that turns about its centre, and stands askew at first.
+struct Globe {
+  static constexpr double kMoment = 0.4 * 10.0 * 0.04;
+  SceneFile file;
+
+  explicit Globe(const std::string& joint)
+      : file(model("<option gravity='0 0 0'/><worldbody><body name='globe' euler='30 20 70'>"
+                   "<joint name='j' type='ball' " +
+                   joint + "/><geom size='.2' mass='10'/></body></worldbody>")) {}
+  /// @param spin  rad/s, about its own axes; it keeps that axis.
+  void spin(const Vec3& spin) { file.scene.world().set_twist(body(), {{}, turn() * spin}); }
+  BodyId body() const { return file.find("globe"); }
+  Quat turn() const { return file.scene.pose(body()).orientation; }
+  double speed() const { return file.scene.world().twist(body()).angular.norm(); }
+};
+
+TEST_CASE("mjcf: a ball has friction about each of its own axes, damping, and a spring", "[mjcf]") {
+  Globe one("frictionloss='.2'");
+  one.spin(3.0 * Vec3::UnitX());
+  run(one.file, 1.0);
+  CHECK(one.speed() == Approx(3.0 - 0.2 / Globe::kMoment).epsilon(1e-3));
+  Globe all("frictionloss='.2'");
+  all.spin(Vec3(3.0, 3.0, 3.0));
+  run(all.file, 1.0);
+  CHECK(all.speed() == Approx(std::sqrt(3.0) * (3.0 - 0.2 / Globe::kMoment)).epsilon(1e-3));
+  run(all.file, 3.0);
+  CHECK(all.speed() < 1e-6);
+
+  // Beyond half a turn as well, about any axis.
+  Globe damped("damping='.1'");
+  damped.spin(Vec3(3.0, -2.0, 1.0));
+  run(damped.file, 2.0);
+  CHECK(damped.speed() ==
+        Approx(std::sqrt(14.0) * std::exp(-2.0 * 0.1 / Globe::kMoment)).epsilon(5e-3));
+
+  Globe sprung("stiffness='4'");
+  const Quat rest = sprung.turn();
+  const double omega = std::sqrt(4.0 / Globe::kMoment);
+  sprung.spin(omega * 0.5 * Vec3(0.6, 0.0, 0.8));  // half a radian far
+  run(sprung.file, 0.25 * 2.0 * std::numbers::pi / omega);
+  CHECK(sprung.turn().angularDistance(rest) == Approx(0.5).epsilon(2e-2));
+  CHECK(sprung.file.warnings.empty());
+}
+
+TEST_CASE("mjcf: dry friction and inertia of rotors that are not read are told", "[mjcf]") {
+  const SceneFile file = model(
+      "<worldbody><body><joint name='f' type='free' frictionloss='1' armature='1'/>"
+      "<geom size='.1'/></body><body pos='0 1 0'><joint name='b' type='ball' armature='1'/>"
+      "<geom size='.1'/></body></worldbody>");
+  CHECK(is_told(file, "joint f: frictionloss of free joints"));
+  CHECK(is_told(file, "joint f, b: armature"));
+}
+
+}  // namespace
+}  // namespace mjcf_test
