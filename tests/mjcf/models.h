@@ -16,7 +16,7 @@ inline tandem::SceneFile model(const std::string& inside) {
 }
 /// Of what stands within <worldbody>.
 inline tandem::SceneFile world(const std::string& inside) {
-  return model("<worldbody>" + inside + "</worldbody>");
+  return model(std::string("<worldbody>") + inside + "</worldbody>");
 }
 /// Steps at 240 Hz. @param seconds  s
 inline void run(tandem::SceneFile& file, double seconds) {

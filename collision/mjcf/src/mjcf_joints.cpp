@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "actuators.h"
+
 namespace tandem::mjcf {
 namespace {
 
@@ -26,7 +28,7 @@ class JointReader {
   JointReader(Model& model, int body, const Pose& frame)
       : model_(model), m_(model.m), body_(body), frame_(frame), chain_(chain()) {}
 
-  pbd::SixDofJointDef read(const pbd::World& world, BodyId parent, BodyId child) {
+  BodyJoint read(const pbd::World& world, BodyId parent, BodyId child) {
     const int turn = chain_.turn;
     const Vec3 anchor =
         frame_.to_world(vec(m_.jnt_pos + 3 * (turn >= 0 ? turn : chain_.slides[0])));
@@ -40,8 +42,10 @@ class JointReader {
     const bool dry_ball = turn >= 0 && is_ball(turn) && chain_.slides.empty() &&
                           dry_friction(m_.jnt_dofadr[turn]) > 0.0;
     const bool child_first = chain_.turn_first || dry_ball;
-    pbd::SixDofJointDef def = pbd::six_dof_joint_at(world, child_first ? child : parent,
-                                                    child_first ? parent : child, anchor, x);
+    BodyJoint out{.body = body_};
+    pbd::SixDofJointDef& def = out.def;
+    def = pbd::six_dof_joint_at(world, child_first ? child : parent, child_first ? parent : child,
+                                anchor, x);
     if (dry_ball) {
       const pbd::Mat3 own = frame_.orientation.toRotationMatrix();
       pbd::Mat3 basis;
@@ -55,17 +59,16 @@ class JointReader {
       for (pbd::JointAxis& one : *axes) one.freedom = pbd::Freedom::Locked;
     }
     if (turn >= 0 && is_ball(turn)) ball(def, turn);
-    if (turn >= 0 && !is_ball(turn)) coordinate(def.angular[0], turn, sign);
+    if (turn >= 0 && !is_ball(turn)) coordinate(out, 3, turn, sign);
     const Quat basis = world.pose(def.b).orientation * def.frame_b.basis;
     for (const int j : chain_.slides) {
       const Vec3 along = basis.conjugate() * axis(j);
       Eigen::Index at = 0;
       if (!(along.cwiseAbs().maxCoeff(&at) > 1.0 - kAligned)) refuse();
-      pbd::JointAxis& one = def.linear[static_cast<std::size_t>(at)];
-      if (one.freedom != pbd::Freedom::Locked) refuse();
-      coordinate(one, j, along[at] > 0.0 ? sign : -sign);
+      if (def.linear[static_cast<std::size_t>(at)].freedom != pbd::Freedom::Locked) refuse();
+      coordinate(out, static_cast<int>(at), j, along[at] > 0.0 ? sign : -sign);
     }
-    return def;
+    return out;
   }
 
  private:
@@ -150,7 +153,9 @@ class JointReader {
   }
 
   /// @param sign  -1: Tandem's coordinate runs the other way
-  void coordinate(pbd::JointAxis& axis, int j, double sign) {
+  void coordinate(BodyJoint& out, int at, int j, double sign) {
+    out.coordinates.push_back({j, at, sign});
+    pbd::JointAxis& axis = scene_files::axis_of(out.def, at);
     const int dof = m_.jnt_dofadr[j];
     const mjtNum zero = m_.qpos0[m_.jnt_qposadr[j]];
     const bool limited = m_.jnt_limited[j] && !model_.off(mjDSBL_LIMIT);
@@ -180,8 +185,8 @@ class JointReader {
 
 }  // namespace
 
-pbd::SixDofJointDef joint_def(Model& model, int body, const pbd::World& world, BodyId parent,
-                              BodyId child, const Pose& frame) {
+BodyJoint joint_of(Model& model, int body, const pbd::World& world, BodyId parent, BodyId child,
+                   const Pose& frame) {
   return JointReader(model, body, frame).read(world, parent, child);
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "mjcf_joints.h"
+#include "mjcf_actuators.h"
 #include "start_in_range.h"
 
 namespace tandem::mjcf {
@@ -193,9 +193,9 @@ void Reader::add_joints(int b) {
   if (m_.jnt_type[first] == mjJNT_FREE) return tell_free_joint(first);
   scene_files::require_within(model_.where(mjOBJ_BODY, b), limits_.add(&SceneLimits::joints));
   const BodyId parent = at(at(m_.body_parentid[b]).lead).id;
-  joints_.push_back({b, model_.guard(mjOBJ_BODY, b, [&] {
-                       return joint_def(model_, b, out_.scene.world(), parent, body.id, body.frame);
-                     })});
+  joints_.push_back(model_.guard(mjOBJ_BODY, b, [&] {
+    return joint_of(model_, b, out_.scene.world(), parent, body.id, body.frame);
+  }));
 }
 
 void Reader::tell_free_joint(int j) {
@@ -210,6 +210,7 @@ void Reader::tell_free_joint(int j) {
 /// zero of Tandem's coordinates.
 void Reader::start() {
   std::vector<mjtNum> wanted(m_.qpos0, m_.qpos0 + m_.nq);
+  const mjtNum* controls = nullptr;
   if (!options_.keyframe.empty()) {
     const int key = mj_name2id(&m_, mjOBJ_KEY, options_.keyframe.c_str());
     if (key < 0) {
@@ -217,6 +218,7 @@ void Reader::start() {
                           '"' + options_.keyframe + '"');
     }
     wanted.assign(m_.key_qpos + key * m_.nq, m_.key_qpos + (key + 1) * m_.nq);
+    controls = m_.key_ctrl + key * m_.nu;
   }
   bool moved = !options_.keyframe.empty();
   for (int j = 0; j < m_.njnt; ++j) {
@@ -236,7 +238,10 @@ void Reader::start() {
                         "place");
   }
   if (moved) set_poses(wanted);
-  for (Joint& joint : joints_) {
+  Actuators actuators(model_, controls);
+  actuators.put(joints_);
+  std::vector<pbd::JointId> ids;
+  for (BodyJoint& joint : joints_) {
     const int first = m_.body_jntadr[joint.body];
     const int count = m_.body_jntnum[joint.body];
     for (int j = first; moved && j < first + count; ++j) {
@@ -250,7 +255,9 @@ void Reader::start() {
     for (int j = first; j < first + count; ++j) {
       out_.joints.push_back({model_.name(mjOBJ_JOINT, j), id});
     }
+    ids.push_back(id);
   }
+  actuators.append_to(out_.actuators, ids);
 }
 
 /// By MuJoCo's own kinematics.
@@ -270,7 +277,6 @@ void Reader::tell_rest() {
   const auto all = [&](mjtObj kind, int count) {
     for (int i = 0; i < count; ++i) model_.warn(kind, i, "not read");
   };
-  all(mjOBJ_ACTUATOR, m_.nu);
   all(mjOBJ_TENDON, m_.ntendon);
   all(mjOBJ_EQUALITY, m_.neq);
   all(mjOBJ_SENSOR, m_.nsensor);

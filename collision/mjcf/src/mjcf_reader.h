@@ -7,6 +7,7 @@
 
 #include "limit_count.h"
 #include "mjcf_filters.h"
+#include "mjcf_joints.h"
 #include "mjcf_model.h"
 #include "rigid_parts.h"
 #include "tandem/mjcf.h"
@@ -55,11 +56,7 @@ class Reader {
   const MjcfOptions& options_;
   std::vector<Body> bodies_;
   std::map<int, collision::Hull> hulls_;
-  struct Joint {
-    int body;
-    pbd::SixDofJointDef def;
-  };
-  std::vector<Joint> joints_;
+  std::vector<BodyJoint> joints_;
   scene_files::LimitCount limits_;
 };
 

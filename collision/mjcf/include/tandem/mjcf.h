@@ -23,7 +23,8 @@ struct TANDEM_API MjcfOptions {
 
 /// A model by MJCF, compiled by Debian's MuJoCo: bodies at qpos0, a keyframe, or as near to it as
 /// ranges let them, with the masses that MuJoCo finds,
-/// geoms, joints with ranges, springs, damping and dry friction, gravity. Bodies without joints are
+/// geoms, joints with ranges, springs, damping, dry friction and actuators whose force is affine
+/// (SceneFile::set_control()), gravity. Bodies without joints are
 /// parts of those that they are fixed to; SceneFile::pose() is that of any body's frame. Mocap
 /// bodies are kinematic. Geoms meet by their contype and conaffinity as in MuJoCo, but bodies of
 /// one tree do not meet each other. A body may have one joint, or slides at right angles to each

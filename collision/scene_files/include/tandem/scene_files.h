@@ -34,10 +34,24 @@ struct TANDEM_API SceneFile {
     std::string name;  ///< may be empty
     pbd::JointId joint;
   };
+  /// Pulls at a coordinate of a joint with gain * control + bias - stiffness * coordinate, N or
+  /// N m. MJCF has such ones; the first one of a coordinate has the joint's own spring in it.
+  struct TANDEM_API Actuator {
+    std::string name;  ///< may be empty
+    pbd::JointId joint;
+    int coordinate = 0;      ///< as those of pbd::JointState::position
+    double control = 0.0;    ///< in the file's unit
+    double lower = 0.0;      ///< of the control
+    double upper = 0.0;      ///< likewise
+    double gain = 0.0;       ///< N or N m for each unit of control
+    double bias = 0.0;       ///< N or N m
+    double stiffness = 0.0;  ///< N/m or N m/rad, >= 0
+  };
 
   Scene scene;
   std::vector<Body> bodies;           ///< in the file's order
   std::vector<Joint> joints;          ///< likewise
+  std::vector<Actuator> actuators;    ///< likewise
   std::vector<std::string> warnings;  ///< what the file has and the scene has not, with its place
 
   /// Of the first one with that name; the invalid id where there is none.
@@ -46,6 +60,13 @@ struct TANDEM_API SceneFile {
   /// World, of the first frame with that name, where its body is now.
   /// @throws std::invalid_argument  where there is none, or its body has been removed
   Pose pose(std::string_view name) const;
+  /// Of the first actuator with that name, or the one at that place: from now on, or as much of it
+  /// as lower and upper let through. All that pull at its coordinate are its spring, and a
+  /// motor that has a constant force below 1000 m/s or rad/s, without dry friction.
+  /// @throws std::invalid_argument  where there is none, its joint has been removed, or the control
+  ///   or the force is not finite
+  void set_control(std::string_view actuator, double control);
+  void set_control(std::size_t actuator, double control);
 };
 
 /// Files are read up to this size, and JSON up to this depth.
