@@ -7,6 +7,7 @@
 #include <string>
 
 #include "models.h"
+#include "mujoco.h"
 #include "support/catch.h"
 
 namespace mjcf_test {
@@ -92,13 +93,52 @@ TEST_CASE("mjcf: a ball has friction about each of its own axes, damping, and a 
   CHECK(sprung.file.warnings.empty());
 }
 
-TEST_CASE("mjcf: dry friction and inertia of rotors that are not read are told", "[mjcf]") {
-  const SceneFile file = model(
-      "<worldbody><body><joint name='f' type='free' frictionloss='1' armature='1'/>"
+TEST_CASE("mjcf: rotors of what hangs on what never turns are as there", "[mjcf]") {
+  // Of 2 kg that fall with a rotor of 3 kg.
+  SceneFile lift = world(
+      "<body name='lift'><joint type='slide' axis='0 0 1' armature='3'/>"
+      "<geom size='.1' mass='2'/></body>");
+  run(lift, 0.5);
+  CHECK(lift.pose("lift").position.z() == Approx(-0.125 * 9.81 * 2.0 / 5.0).epsilon(1e-2));
+  CHECK(lift.warnings.empty());
+  // A pole on a cart, both with rotors, and a second ball whose rotor turns with it.
+  const std::string text =
+      "<mujoco><worldbody><body name='cart'><joint name='x' type='slide' axis='1 0 0' "
+      "armature='.7'/><geom size='.1' mass='2'/><body name='pole' euler='0 50 0'>"
+      "<joint name='h' axis='0 1 0' armature='.4'/><geom size='.1' pos='0 0 -.5' mass='1'/>"
+      "</body></body><body name='ball' pos='0 1 0' euler='40 0 0'>"
+      "<joint name='b' type='ball' armature='.2'/><geom size='.1' pos='0 0 -.5' mass='1'/>"
+      "</body></worldbody></mujoco>";
+  SceneFile file = parse_mjcf(text);
+  CHECK(file.warnings.empty());
+  Mujoco reference(text, 1e-4);
+  run(file, 1.0);
+  reference.run(1.0);
+  CHECK(std::abs(file.pose("cart").position.x() - reference.moved(0)) < 2e-3);
+  CHECK(std::abs(reference.moved(0)) > 0.1);
+  CHECK(std::abs(file.scene.joints().hinge_angle(file.find_joint("h")) - reference.moved(1)) <
+        std::numbers::pi / 180.0);
+  CHECK(file.pose("ball").orientation.angularDistance(reference.turn(3)) <
+        std::numbers::pi / 180.0);
+  CHECK(reference.turn(3).angularDistance(Quat(Eigen::AngleAxisd(0.7, Vec3::UnitX()))) > 0.3);
+}
+
+TEST_CASE("mjcf: what of joints is left out is told", "[mjcf]") {
+  const std::string text =
+      "<worldbody><body name='a'><joint name='f' type='free' frictionloss='1' armature='1'/>"
       "<geom size='.1'/></body><body pos='0 1 0'><joint name='b' type='ball' armature='1'/>"
-      "<geom size='.1'/></body></worldbody>");
+      "<geom size='.1'/><body><joint name='h' axis='0 0 1' armature='1'/><geom size='.1'/><body>"
+      "<joint name='i' axis='0 0 1' armature='1'/><geom size='.1'/></body></body></body>"
+      "</worldbody><equality><joint name='e' joint1='h' joint2='i'/>"
+      "<joint name='g' joint1='i' joint2='h'/><joint name='k' joint1='i' active='false'/>"
+      "<connect name='c' body1='a' anchor='0 0 0'/></equality>";
+  const SceneFile file = model(text);
   CHECK(is_told(file, "joint f: frictionloss of free joints"));
-  CHECK(is_told(file, "joint f, b: armature"));
+  CHECK(is_told(file, "joint f, h, i: armature is left out"));
+  CHECK(is_told(file, "equality e, g: couplings of joints are left out"));
+  CHECK(is_told(file, "equality c: left out"));
+  CHECK_FALSE(is_told(file, "equality k"));
+  CHECK_FALSE(is_told(model("<option><flag equality='disable'/></option>" + text), "equality"));
 }
 
 }  // namespace

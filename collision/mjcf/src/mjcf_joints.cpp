@@ -135,7 +135,6 @@ class JointReader {
     if (def.drive.friction > 0.0 && !chain_.slides.empty()) {
       model_.warn(mjOBJ_JOINT, j, "frictionloss of a ball beside slides is about their axes");
     }
-    tell_armature(j);
     if (m_.jnt_limited[j] && !model_.off(mjDSBL_LIMIT)) {
       def.cone = m_.jnt_range[2 * j + 1];
       model_.warn(mjOBJ_JOINT, j, "its range bounds the swing, not the twist");
@@ -145,11 +144,6 @@ class JointReader {
   /// N or N m. MuJoCo has it of each degree of freedom: of a ball about each axis of the child.
   double dry_friction(int dof) const {
     return model_.off(mjDSBL_FRICTIONLOSS) ? 0.0 : m_.dof_frictionloss[dof];
-  }
-  void tell_armature(int j) {
-    if (m_.dof_armature[m_.jnt_dofadr[j]] != 0.0) {
-      model_.warn(mjOBJ_JOINT, j, "armature is not read");
-    }
   }
 
   /// @param sign  -1: Tandem's coordinate runs the other way
@@ -173,7 +167,6 @@ class JointReader {
     }
     if (sign < 0.0) model_.warn(mjOBJ_JOINT, j, kBackwards);
     axis.friction = dry_friction(dof);
-    tell_armature(j);
   }
 
   Model& model_;

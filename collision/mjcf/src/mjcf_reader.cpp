@@ -30,6 +30,7 @@ void Reader::place(int b) {
   const Pose local = pose_of(m_.body_pos + 3 * b, m_.body_quat + 4 * b);
   const int parent = m_.body_parentid[b];
   body.frame = b == 0 ? local : at(parent).frame * local;
+  body.carrier = is_mocap(b) ? Carrier::Turns : carried(model_, b, at(parent).carrier);
   body.lead = b;
   // What stands in the world stays a body of its own: it costs nothing, and has a place in it.
   const bool part = b > 0 && m_.body_jntnum[b] == 0 && !is_mocap(b) &&
@@ -71,6 +72,7 @@ void Reader::add_body(int b) {
       }
       def.pose.position = body.frame.to_world(-def.origin);
       damp(b, def);
+      add_armature(model_, b, at(m_.body_parentid[b]).carrier, def);
     }
     scene_files::require_within(where, limits_.add(&SceneLimits::bodies));
     body.id = model_.guard(mjOBJ_BODY, b, [&] { return out_.scene.world().add_body(def); });
@@ -203,7 +205,6 @@ void Reader::tell_free_joint(int j) {
   if (m_.dof_frictionloss[dof] != 0.0 && !model_.off(mjDSBL_FRICTIONLOSS)) {
     model_.warn(mjOBJ_JOINT, j, "frictionloss of free joints is not read");
   }
-  if (m_.dof_armature[dof] != 0.0) model_.warn(mjOBJ_JOINT, j, "armature is not read");
 }
 
 /// Moves all to where they start, and holds them there. Until now they stand at qpos0, which is the
@@ -278,7 +279,12 @@ void Reader::tell_rest() {
     for (int i = 0; i < count; ++i) model_.warn(kind, i, "not read");
   };
   all(mjOBJ_TENDON, m_.ntendon);
-  all(mjOBJ_EQUALITY, m_.neq);
+  for (int e = 0; e < m_.neq; ++e) {
+    if (!m_.eq_active[e] || model_.off(mjDSBL_EQUALITY)) continue;
+    model_.warn(mjOBJ_EQUALITY, e,
+                m_.eq_type[e] == mjEQ_JOINT ? "couplings of joints are left out: they move freely"
+                                            : "left out: what it ties moves freely");
+  }
   all(mjOBJ_SENSOR, m_.nsensor);
   all(mjOBJ_EXCLUDE, m_.nexclude);
   if (m_.npair > 0) out_.warnings.push_back("contact pairs are not read");

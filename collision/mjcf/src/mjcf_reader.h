@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "limit_count.h"
+#include "mjcf_armature.h"
 #include "mjcf_filters.h"
 #include "mjcf_joints.h"
 #include "mjcf_model.h"
@@ -25,9 +26,10 @@ class Reader {
  private:
   /// By number in the model.
   struct Body {
-    Pose frame;              ///< world
-    int lead = 0;            ///< whose body in the scene it is a part of: itself, or one before it
-    Pose in_lead;            ///< its frame in that one's
+    Pose frame;    ///< world
+    int lead = 0;  ///< whose body in the scene it is a part of: itself, or one before it
+    Pose in_lead;  ///< its frame in that one's
+    Carrier carrier = Carrier::Fixed;
     std::int32_t group = 0;  ///< of its tree; 0: of the world
     BodyId id;               ///< of those that lead
     // What those have that lead, of all their parts:
