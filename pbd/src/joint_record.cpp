@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "byte_fields.h"
+#include "joint_spring.h"
 #include "tandem/pbd/math.h"
 
 namespace tandem::pbd {
@@ -71,7 +72,8 @@ JointAxis JointRecord::axis(int c) const {
 void JointRecord::begin_drive(const SolverBody& a, const SolverBody& b, double substep) {
   drive.start = (a.q * def.frame_a.basis).conjugate() * (b.q * def.frame_b.basis);
   const BallDrive::Motor& motor = def.drive.motor;
-  const Vec3 rest = rotation_between(drive.start, def.drive.spring.rest);
+  const Vec3 rest = spring_turn(rotation_between(drive.start, def.drive.spring.rest),
+                                Eigen::Map<const Vec3>(&spring_mass[kDrive]));
   drive.left = rotation_between(drive.start, motor.target);
   const double reach = substep * motor.max_speed;
   const double length = drive.left.norm();

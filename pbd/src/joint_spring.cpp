@@ -8,6 +8,7 @@
 
 #include "integrate.h"
 #include "joint_six_dof.h"
+#include "tandem/pbd/portable.h"
 #include "tandem/pbd/world.h"
 
 namespace tandem::pbd {
@@ -97,6 +98,21 @@ void tune_spring(ForceLaw& law, const JointSpring& spring, double mass, double c
   if (end_k > 0.0) pull += end_k * law.spring_target;
   law.spring_k = stiff + damped + end_k;
   if (law.spring_k > 0.0) law.spring_target = pull / law.spring_k;
+}
+
+Vec3 spring_turn(const Vec3& to_rest, const Vec3& mass) {
+  if (!(mass.minCoeff() > 0.0) || mass.minCoeff() == mass.maxCoeff()) return to_rest;
+  // (1 - (angle / 2) cot(angle / 2)) / angle^2, whose limit is 1/12.
+  constexpr double kSmall = 1e-3;  // rad
+  const double angle = to_rest.norm();
+  double bend = 1.0 / 12.0;
+  if (angle > kSmall) {
+    const auto [sine, cosine] = portable::sin_cos(0.5 * angle);
+    bend = (1.0 - 0.5 * angle * cosine / sine) / (angle * angle);
+  }
+  const Vec3 torque = mass.cwiseProduct(to_rest);
+  const Vec3 across = to_rest.cross(torque);
+  return (torque - 0.5 * across + bend * to_rest.cross(across)).cwiseQuotient(mass);
 }
 
 }  // namespace tandem::pbd

@@ -30,4 +30,13 @@ void weigh_springs(JointRecord& record, const World& world);
 void tune_spring(ForceLaw& law, const JointSpring& spring, double mass, double c, double rate,
                  double h);
 
+/// Where the springs of a drive pull to, about each axis by itself. Torques of k_i phi_i do work on
+/// a way that leads back to where it began, wherever the k_i differ: an undamped box came to 8.9
+/// times its energy. Those of the energy sum k_i phi_i^2 / 2 do not: J^-T k phi, J the Jacobian of
+/// phi.
+/// @param to_rest  rad, rotation vector phi from where b is to rest, in frame a
+/// @param mass     kg m^2, of each axis: what the k_i are in proportion to; 0 where they are equal
+/// @return         rad, in frame a, with the same k_i
+Vec3 spring_turn(const Vec3& to_rest, const Vec3& mass);
+
 }  // namespace tandem::pbd
