@@ -106,7 +106,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   StageClock clock_;
   Targets targets_;
   Islands islands_;
-  Islands joined_;  ///< by joints alone, where one has a gap
   BodyBuffer bodies_;
   bool has_rows_ = false;  ///< there is a row, and a body that is awake
   bool projects_ = false;  ///< some row projects poses

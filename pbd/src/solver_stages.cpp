@@ -305,8 +305,7 @@ void Solver::Impl::note_gaps() {
   bool gaps = false;
   for_blocks([&](const ConstraintBlock& block) { gaps = gaps || block.has_gaps(); });
   if (!gaps) return;
-  joined_.build(edges_.without_contacts(), bodies_.all());
-  targets_.mark_gaps(joined_.of(), bodies_.all());
+  targets_.mark_gaps(edges_.without_contacts(), bodies_.all());
   context_.shared = true;
 }
 

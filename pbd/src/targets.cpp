@@ -35,7 +35,7 @@ bool is_round(const BodyProps& props) {
 void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBody> bodies,
                          std::span<const BodyState> states, double dt) {
   rows_.clear();
-  set_of_ = {};
+  closes_gaps_ = false;
   for (const PoseTarget& target : targets) {
     const SolverBody& body = bodies[target.body.index];
     if (body.inv_mass == 0.0 || !(target.share > 0.0)) continue;
@@ -68,8 +68,10 @@ void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<S
   }
 }
 
-void Targets::mark_gaps(std::span<const std::uint32_t> set_of, std::span<SolverBody> bodies) {
-  set_of_ = set_of;
+void Targets::mark_gaps(std::span<const ConstraintEdge> joints, std::span<SolverBody> bodies) {
+  closes_gaps_ = true;
+  sets_.build(joints, bodies);
+  const std::span<const std::uint32_t> set_of = sets_.of();
   if (rows_.empty()) row_of_.assign(bodies.size(), BodyId::kNone);
   marked_.assign(bodies.size(), 0);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -161,20 +163,20 @@ void Targets::to_velocities(std::span<SolverBody> bodies, double h) {
 }
 
 void Targets::limit_closing(std::span<SolverBody> bodies) {
-  if (set_of_.empty()) return;
+  if (!closes_gaps_) return;
   excess_.assign(bodies.size(), 1.0);
   for (const Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];
     if (body.agreed) continue;
-    double& excess = excess_[set_of_[saved.body]];
+    double& excess = excess_[sets_.of()[saved.body]];
     excess =
         std::max({excess, body.v_push.norm() / kClosingSpeed, body.w_push.norm() / kClosingSpin});
   }
   for (const Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
     if (body.agreed) continue;
-    body.v_push /= excess_[set_of_[saved.body]];
-    body.w_push /= excess_[set_of_[saved.body]];
+    body.v_push /= excess_[sets_.of()[saved.body]];
+    body.w_push /= excess_[sets_.of()[saved.body]];
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "groups.h"
+#include "islands.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/report.h"
@@ -32,9 +33,8 @@ class Targets {
   /// marked already.
   /// @param island_of  by body
   void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
-  /// Mark what joints hold to a body that is marked for its gap.
-  /// @param set_of  by body: which ones joints hold together, in any numbers; kept for the step
-  void mark_gaps(std::span<const std::uint32_t> set_of, std::span<SolverBody> bodies);
+  /// Mark every body that is awake and that joints hold to one that is marked for its gap.
+  void mark_gaps(std::span<const ConstraintEdge> joints, std::span<SolverBody> bodies);
 
   /// The methods below concern the bodies of this group, until the next call.
   void select_group(const Group& group, std::span<const SolverBody> bodies);
@@ -86,12 +86,13 @@ class Targets {
   };
 
   std::vector<Row> rows_;
-  std::vector<std::uint32_t> in_group_;    ///< indices of the selected group's rows
-  std::vector<Saved> saved_;               ///< the selected group's bodies that are displaced
-  std::vector<std::uint8_t> marked_;       ///< by island, or by set
-  std::span<const std::uint32_t> set_of_;  ///< empty where no gap is closed in this step
-  std::vector<double> excess_;             ///< by set, see limit_closing()
-  std::vector<std::uint32_t> row_of_;      ///< by body; kNone without
+  std::vector<std::uint32_t> in_group_;  ///< indices of the selected group's rows
+  std::vector<Saved> saved_;             ///< the selected group's bodies that are displaced
+  std::vector<std::uint8_t> marked_;     ///< by island, or by set
+  bool closes_gaps_ = false;
+  Islands sets_;                       ///< by joints alone, where one has a gap
+  std::vector<double> excess_;         ///< by set, see limit_closing()
+  std::vector<std::uint32_t> row_of_;  ///< by body; kNone without
 };
 
 }  // namespace tandem::pbd
