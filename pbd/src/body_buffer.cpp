@@ -37,6 +37,7 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.group = SolverBody::kNoGroup;
   body.shared = false;
   body.agreed = false;
+  body.held = false;
   body.projected = false;
   body.pushed = false;
   body.turns = false;

@@ -45,7 +45,7 @@ void yield_to_gaps(const SubstepContext& ctx) {
   constexpr double kSlow = 0.005;  // m/s
   for (const std::uint32_t i : ctx.members) {
     SolverBody& body = ctx.bodies[i];
-    if (!body.shared || body.agreed) continue;
+    if (!body.shared || body.held) continue;
     const double fast = std::max(body.v_push.norm(), kLeverArm * body.w_push.norm());
     if (fast <= kSlow) continue;
     body.v_push *= kSlow / fast;
@@ -298,7 +298,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
   for (const std::uint32_t body : ctx.members) m.pushed[body] = 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
     const ContactRows& rows = m.rows[k];
-    m.push(rows, static_cast<LaneMask>(rows.penetrating & ~m.agreed(rows, ctx)), m.kernels->push,
+    m.push(rows, static_cast<LaneMask>(rows.penetrating & ~m.held(rows, ctx)), m.kernels->push,
            numbers);
   });
   if (ctx.shared) yield_to_gaps(ctx);
@@ -310,7 +310,7 @@ double ContactBlock::project_displacement(const SubstepContext& ctx) {
   double fastest = 0.0;
   for (const std::uint32_t i : ctx.members) {
     const SolverBody& body = ctx.bodies[i];
-    m.pushed[i] = body.agreed && !(body.v_push.isZero(0.0) && body.w_push.isZero(0.0)) ? 1 : 0;
+    m.pushed[i] = body.held && !(body.v_push.isZero(0.0) && body.w_push.isZero(0.0)) ? 1 : 0;
     if (m.pushed[i] == 0) continue;
     const double rim = kLeverArm * body.w_push.norm();
     fastest = std::max(fastest, body.v_push.squaredNorm() + rim * rim);
@@ -322,7 +322,7 @@ double ContactBlock::project_displacement(const SubstepContext& ctx) {
   for (int i = 0; i < sweeps; ++i) {
     m.order.sweep(ctx.group, (i % 2 == 0) == ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
       const ContactRows& rows = m.rows[k];
-      const auto meant = static_cast<LaneMask>(rows.penetrating & m.agreed(rows, ctx));
+      const auto meant = static_cast<LaneMask>(rows.penetrating & m.held(rows, ctx));
       m.push(rows, meant, m.kernels->hold, numbers);
     });
   }

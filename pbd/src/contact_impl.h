@@ -177,11 +177,11 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
                             });
   }
 
-  /// The rows in islands with a target: see project_displacement().
-  static LaneMask agreed(const ContactRows& each, const SubstepContext& ctx) {
+  /// The rows that hold what displaces their bodies.
+  static LaneMask held(const ContactRows& each, const SubstepContext& ctx) {
     LaneMask lanes = 0;
     for (std::size_t i = 0; ctx.shared && i < each.count; ++i) {
-      const bool with = ctx.bodies[each.a[i]].agreed || ctx.bodies[each.b[i]].agreed;
+      const bool with = ctx.bodies[each.a[i]].held || ctx.bodies[each.b[i]].held;
       lanes = static_cast<LaneMask>(lanes | unsigned{with} << i);
     }
     return lanes;

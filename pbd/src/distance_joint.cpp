@@ -176,9 +176,9 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   const Arms arm = arms(ctx, ground);
   const double c = arm.length - def_.rest_length;
   residual_ = violation(axis(), c);
-  const bool agreed = Displaced(*arm.a, *arm.b).agreed;
+  const bool held = Displaced(*arm.a, *arm.b).held;
   if ((arm.a->is_pushed() || arm.b->is_pushed()) && !n_.isZero(0.0)) {
-    displacement_residual_ = residual_left(axis(), c, displacement_residual_, agreed, h_);
+    displacement_residual_ = residual_left(axis(), c, displacement_residual_, held, h_);
   }
   if (!def_.enabled) {
     if (!broke_) force_ = 0.0;

@@ -287,26 +287,25 @@ inline constexpr double kLeft = 2e-3;
 /// lie on the ground tremble for ever, and those that fall on their end are thrown up. Where
 /// agreement is about, which closes all residuals without velocity, only blows are left: tyres
 /// would not feel it, and a car go round too large a circle.
-inline double residual_left(const JointAxis& axis, double c, double residual, bool agreed,
-                            double h) {
+inline double residual_left(const JointAxis& axis, double c, double residual, bool held, double h) {
   constexpr double kBlow = 0.3;  // m/s
   const double left = residual_of(axis, c);
-  return agreed && std::abs(left - residual) <= kBlow * h ? residual : left;
+  return held && std::abs(left - residual) <= kBlow * h ? residual : left;
 }
-/// Whether the displacement channel closes what a joint violates, and whether for agreement.
+/// Whether the displacement channel closes what a joint violates, and whether contacts hold it.
 struct Displaced {
   bool any = false;
-  bool agreed = false;
+  bool held = false;
 
   Displaced(const SolverBody& a, const SolverBody& b)
-      : any(a.shared || b.shared), agreed(a.agreed || b.agreed) {}
+      : any(a.shared || b.shared), held(a.held || b.held) {}
 };
 /// The same as a substep begins.
 /// @param most  of it closes with velocity
 /// @param left  by contacts, in the last substep of this step: between steps applications move
 inline double residual_at_start(const JointAxis& axis, double c, double residual, bool left,
                                 Displaced displaced, double h, double most = kUnlimited) {
-  if (left) residual = residual_left(axis, c, residual, displaced.agreed, h);
+  if (left) residual = residual_left(axis, c, residual, displaced.held, h);
   if (displaced.any) return residual;
   return residual - std::clamp(residual, -most, most) * (1.0 - residual_decay(h));
 }

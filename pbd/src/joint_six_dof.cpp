@@ -183,7 +183,7 @@ void begin(const JointPart& part) {
       double& residual = record.displacement_residual[i];
       residual = (record.in_part >> i & 1u) != 0
                      ? residual_of(axis, c[i])
-                     : residual_at_start(axis, c[i], residual, left && (i < 3 || !displaced.agreed),
+                     : residual_at_start(axis, c[i], residual, left && (i < 3 || !displaced.held),
                                          displaced, ctx.h, kLeft);
       rows.law[i] = force_law(axis, c[i], residual, ctx.h);
       if (axis.spring.frequency > 0.0) {

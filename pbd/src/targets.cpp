@@ -64,7 +64,8 @@ void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<S
     marked_[island_of[rows_[k].body]] = 1;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    bodies[i].shared = bodies[i].agreed = bodies[i].is_solved() && marked_[island_of[i]] != 0;
+    const bool in = bodies[i].is_solved() && marked_[island_of[i]] != 0;
+    bodies[i].shared = bodies[i].agreed = bodies[i].held = in;
   }
 }
 
@@ -74,11 +75,19 @@ void Targets::mark_gaps(std::span<const ConstraintEdge> joints, std::span<Solver
   const std::span<const std::uint32_t> set_of = sets_.of();
   if (rows_.empty()) row_of_.assign(bodies.size(), BodyId::kNone);
   marked_.assign(bodies.size(), 0);
+  for (const SolverBody& body : bodies) {
+    if (body.held && !body.agreed) marked_[body.island] = 1;
+  }
+  for (SolverBody& body : bodies) {
+    body.held = body.is_solved() && (body.agreed || marked_[body.island] != 0);
+  }
+  marked_.assign(bodies.size(), 0);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (bodies[i].shared && !bodies[i].agreed) marked_[set_of[i]] = 1;
+    if (bodies[i].shared && !bodies[i].held) marked_[set_of[i]] = 1;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (bodies[i].is_solved() && marked_[set_of[i]] != 0) bodies[i].shared = true;
+    SolverBody& body = bodies[i];
+    body.shared = body.is_solved() && (body.held || marked_[set_of[i]] != 0);
   }
 }
 

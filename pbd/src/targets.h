@@ -33,7 +33,8 @@ class Targets {
   /// marked already.
   /// @param island_of  by body
   void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
-  /// Mark every body that is awake and that joints hold to one that is marked for its gap.
+  /// Mark every body that is awake and that joints hold to one that is marked for its gap, and the
+  /// islands of those that are held for others.
   void mark_gaps(std::span<const ConstraintEdge> joints, std::span<SolverBody> bodies);
 
   /// The methods below concern the bodies of this group, until the next call.

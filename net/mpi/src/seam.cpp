@@ -69,7 +69,8 @@ void Seam::begin_step(const SubstepContext& ctx) {
   for (const Neighbour& neighbour : neighbours_.all()) {
     if (!neighbour.displaces) continue;
     displaces_ = true;
-    for (const std::uint32_t slot : neighbour.touched) ctx.bodies[slot].shared = true;
+    for (const std::uint32_t slot : neighbour.touched)
+      ctx.bodies[slot].shared = ctx.bodies[slot].held = true;
   }
 }
 

@@ -46,6 +46,7 @@ struct alignas(64) TANDEM_API SolverBody {
   std::uint32_t group = kNoGroup;
   bool shared = false;  ///< its island has a target in this step, or its joints a gap to close
   bool agreed = false;  ///< its island has a target: what joints violate there is agreement's
+  bool held = false;    ///< contacts hold what displaces it: agreement, here or on another rank
   /// Some row of a block before contacts names it: its predicted pose is made before they project.
   bool projected = false;
   /// Some row of another block moves it afterwards.
@@ -156,7 +157,8 @@ class TANDEM_API ConstraintBlock {
   /// Once per step, poses as they are before the first substep.
   virtual void begin_step(const SubstepContext&) {}
   /// After begin_step: whether some row has a gap that the displacement channel is to close. The
-  /// row has marked its bodies as shared then; their islands follow.
+  /// row has marked its bodies as shared then; what joints hold to them follows. Of bodies that it
+  /// has marked as held their islands follow.
   virtual bool has_gaps() const { return false; }
   /// Before integration: poses and velocities are those of the end of the last substep.
   virtual void begin_substep(const SubstepContext&) {}
