@@ -293,8 +293,7 @@ void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
   for (const JointRecord& record : impl_->records) {
     if (!record.active()) continue;
     const bool force_driven = !record.passive;
-    // What comes back to where its joint wants it does not rest on its way.
-    const bool actuated = (force_driven && motors_run(record)) || record.gap.closes();
+    const bool actuated = force_driven && motors_run(record);
     edges.push_back({.body_a = record.def.a.index,
                      .body_b = record.def.b.index,
                      .actuated = actuated,
