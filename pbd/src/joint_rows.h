@@ -281,6 +281,15 @@ inline double residual_of(const JointAxis& axis, double c) {
 /// with velocity.
 inline constexpr double kLeft = 2e-3;
 
+/// Whether the displacement channel closes what a joint violates, and whether contacts hold it.
+struct Displaced {
+  bool any = false;
+  bool held = false;
+
+  Displaced(const SolverBody& a, const SolverBody& b)
+      : any(a.shared || b.shared), held(a.held || b.held) {}
+};
+
 /// The residual of a row that contacts, which are solved after joints, may have opened. What they
 /// left is no violation that the next substep may take back, with the velocity of a whole closing
 /// in a substep: joints and contacts would reflect where they should project, so that limbs that
@@ -292,14 +301,6 @@ inline double residual_left(const JointAxis& axis, double c, double residual, bo
   const double left = residual_of(axis, c);
   return held && std::abs(left - residual) <= kBlow * h ? residual : left;
 }
-/// Whether the displacement channel closes what a joint violates, and whether contacts hold it.
-struct Displaced {
-  bool any = false;
-  bool held = false;
-
-  Displaced(const SolverBody& a, const SolverBody& b)
-      : any(a.shared || b.shared), held(a.held || b.held) {}
-};
 /// The same as a substep begins.
 /// @param most  of it closes with velocity
 /// @param left  by contacts, in the last substep of this step: between steps applications move

@@ -135,7 +135,7 @@ TEST_CASE("mjcf: other actuators are told, once for all of a kind", "[mjcf]") {
   CHECK(is_told(file, "actuator one: it acts on a ball"));
   CHECK(is_told(file, "actuator two: it acts on no joint"));
   CHECK(is_told(file, "actuator five, six, seven: its force is not affine"));
-  CHECK(is_told(file, "actuator three: it pushes away"));
+  CHECK(is_told(file, "actuator three: its stiffness or damping is negative"));
   CHECK(is_told(file, "actuator four: forcerange is not kept"));
   REQUIRE(file.actuators.size() == 1);
   CHECK(file.actuators[0].name == "four");

@@ -56,8 +56,8 @@ Off half_a_second(const RandomTree& tree, int rate) {
     const pbd::JointId id = file.find_joint(name);
     const auto& at = file.scene.joints().at(id).position;
     const auto& def = file.scene.joints().def(id);
-    double nearest =
-        pbd::kUnlimited;  // its place in the joint, and which way it runs, are not told
+    // Which coordinate of the joint it is, and which way it runs, the file does not say.
+    double nearest = pbd::kUnlimited;
     for (std::size_t c = 0; c < 4; ++c) {
       const pbd::JointAxis& axis = c < 3 ? def.linear[c] : def.angular[0];
       if (axis.freedom == pbd::Freedom::Locked) continue;

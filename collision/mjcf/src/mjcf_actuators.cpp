@@ -40,7 +40,7 @@ bool Actuators::is_affine(int a, Affine& law) {
       law.speed_gain = bias[2];
     }
     if (law.length_gain > 0.0 || law.speed_gain > 0.0) {
-      other = "it pushes away from where it is, or on, and is not read";
+      other = "its stiffness or damping is negative, and it is not read";
     }
   }
   if (other != nullptr) model_.warn(mjOBJ_ACTUATOR, a, other);

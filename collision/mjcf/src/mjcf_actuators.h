@@ -11,8 +11,8 @@
 namespace tandem::mjcf {
 
 /// The actuators of hinges and slides whose force is affine in control, length and speed. They
-/// become springs and dampers of the coordinate, which have the same force. What others there are
-/// is told.
+/// become springs and dampers of the coordinate, which have the same force. Others are told as
+/// warnings.
 class Actuators {
  public:
   /// @param controls  of the model's actuators, or nullptr: 0
