@@ -114,10 +114,10 @@ TEST_CASE("ragdoll: a heap of eighteen loses energy", "[scene][invariant]") {
   }
 }
 
-/// Boxes of 7 to 400 kg fall on dolls, which end up between them in all ways.
+// Boxes of 7 to 400 kg fall on two dolls. In these eight of sixty draws a blow leaves a limb on the
+// wrong side of something: joints ended 6 to 294 mm apart, and limbs trembled at up to 0.8 m/s.
 TEST_CASE("ragdoll: under heavy boxes it lies still, and its joints hold", "[scene][invariant]") {
-  int torn = 0, restless = 0;
-  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+  for (const std::uint64_t seed : {5, 8, 20, 31, 33, 39, 42, 48}) {
     pbd::SplitMix64 draw(2400 + seed);
     Scene scene;
     scene.add(HalfSpace{}, {.type = BodyType::Static});
@@ -144,12 +144,10 @@ TEST_CASE("ragdoll: under heavy boxes it lies still, and its joints hold", "[sce
         speed = std::max(speed, scene.world().twist(scene.joints().def(id).b).linear.norm());
       }
     }
-    torn += apart > 0.005 ? 1 : 0;    // m or rad
-    restless += speed > 0.4 ? 1 : 0;  // m/s
-    UNSCOPED_INFO("seed " << seed << ": " << apart << ", " << speed << " m/s");
+    INFO("seed " << seed);
+    CHECK(apart < 0.005);  // m or rad
+    CHECK(speed < 0.4);    // m/s
   }
-  CHECK(torn <= 1);
-  CHECK(restless == 0);
 }
 
 TEST_CASE("ragdoll: refuses what cannot be, by name", "[scene][input]") {
