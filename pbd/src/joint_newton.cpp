@@ -277,7 +277,7 @@ double newton_iteration(const JointPart& part) {
   double left = iterate(part);
   if (left <= part.ctx.joint_tolerance && leaves_pieces(part)) left = kTrust;
   note_whether_it_holds(part, left);
-  return left;
+  return part.progress.holds ? 0.0 : left;
 }
 
 }  // namespace tandem::pbd
