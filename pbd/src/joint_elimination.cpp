@@ -3,6 +3,9 @@
 #include "joint_elimination.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
+#include <queue>
 #include <tuple>
 #include <utility>
 
@@ -46,12 +49,6 @@ std::uint32_t JointElimination::local(std::uint32_t body) const {
                                     bodies_.begin());
 }
 
-void JointElimination::connect(std::uint32_t i, std::uint32_t j) {
-  if (i == j) return;
-  neighbours_[i].insert(j);
-  neighbours_[j].insert(i);
-}
-
 void JointElimination::connect_all() {
   const std::size_t count = edges_.size() + body_of_hub_.size();
   neighbours_.resize(count);
@@ -67,13 +64,21 @@ void JointElimination::connect_all() {
     }
   }
   for (std::size_t body = 0; body < bodies_.size(); ++body) {
+    const std::uint32_t hub = hub_of_[body];
     for (const std::uint32_t i : joints_of_[body]) {
-      if (hub_of_[body] != kNone) {
-        connect(i, hub_of_[body]);
+      std::vector<std::uint32_t>& own = neighbours_[i];
+      if (hub == kNone) {
+        std::ranges::copy_if(joints_of_[body], std::back_inserter(own),
+                             [i](std::uint32_t j) { return j != i; });
       } else {
-        for (const std::uint32_t j : joints_of_[body]) connect(i, j);
+        own.push_back(hub);
+        neighbours_[hub].push_back(i);
       }
     }
+  }
+  for (std::vector<std::uint32_t>& own : neighbours_) {
+    std::ranges::sort(own);
+    own.erase(std::unique(own.begin(), own.end()), own.end());
   }
 }
 
@@ -82,29 +87,39 @@ bool JointElimination::run(std::size_t most) {
   std::vector<std::size_t> degree(count, 0);
   std::vector<std::size_t> since(count, 0);
   std::size_t now = 0;
-  std::set<std::tuple<std::size_t, std::size_t, std::uint32_t>> queue;
+  // Degree, since when, node. What was queued with another degree since is passed over.
+  using Place = std::tuple<std::size_t, std::size_t, std::uint32_t>;
+  std::priority_queue<Place, std::vector<Place>, std::greater<>> queue;
+  std::vector<bool> queued(count, false);
   const auto enqueue = [&](std::uint32_t i) {
-    if (neighbours_[i].size() != degree[i]) since[i] = now;
+    const bool same = neighbours_[i].size() == degree[i];
+    if (!same) since[i] = now;
     degree[i] = neighbours_[i].size();
     // Before its hubs a joint needs an end that answers to all its rows, for its pivots.
-    if (supports_[i] > 0 || hubs_left_[i] == 0) queue.insert({degree[i], since[i], i});
+    if (supports_[i] == 0 && hubs_left_[i] > 0) return;
+    if (!same || !queued[i]) queue.push({degree[i], since[i], i});
+    queued[i] = true;
   };
   for (std::uint32_t i = 0; i < count; ++i) enqueue(i);
   later_of_.resize(count);
   std::size_t updates = 0;
+  std::vector<std::uint32_t> merged;
   while (!queue.empty()) {
-    const std::uint32_t node = std::get<2>(*queue.begin());
-    queue.erase(queue.begin());
+    const auto [had, from, node] = queue.top();
+    queue.pop();
+    if (!queued[node] || had != degree[node] || from != since[node]) continue;
+    queued[node] = false;
     ++now;
     order_.push_back(node);
-    later_of_[node].assign(neighbours_[node].begin(), neighbours_[node].end());
+    later_of_[node] = std::move(neighbours_[node]);
     const std::vector<std::uint32_t>& rest = later_of_[node];
     updates += rest.size() * (rest.size() + 1) / 2;
     if (updates > most) return false;
-    for (const std::uint32_t i : rest) queue.erase({degree[i], since[i], i});
     for (const std::uint32_t i : rest) {
-      neighbours_[i].erase(node);
-      for (const std::uint32_t j : rest) connect(i, j);
+      merged.clear();
+      std::ranges::set_union(neighbours_[i], rest, std::back_inserter(merged));
+      std::erase_if(merged, [&](std::uint32_t j) { return j == i || j == node; });
+      neighbours_[i].swap(merged);
     }
     if (node >= edges_.size()) {
       for (const std::uint32_t i : joints_of_[body_of_hub(node)]) --hubs_left_[i];

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <set>
 #include <span>
 #include <vector>
 
@@ -42,7 +41,6 @@ class JointElimination {
   static constexpr std::uint32_t kNone = JointGraph::kNone;
 
   void find_bodies();
-  void connect(std::uint32_t i, std::uint32_t j);
   void connect_all();
 
   std::span<const JointGraph::Edge> edges_;
@@ -50,7 +48,7 @@ class JointElimination {
   std::vector<std::vector<std::uint32_t>> joints_of_;  ///< by local body
   std::vector<std::uint32_t> hub_of_;                  ///< by local body
   std::vector<std::uint32_t> body_of_hub_;             ///< local
-  std::vector<std::set<std::uint32_t>> neighbours_;
+  std::vector<std::vector<std::uint32_t>> neighbours_;  ///< ascending
   std::vector<int> supports_;   ///< ends of a joint that answer to all its rows
   std::vector<int> hubs_left_;  ///< hubs of a joint that are not eliminated yet
   std::vector<std::uint32_t> order_;

@@ -170,11 +170,16 @@ void JointGraph::place_updates(const Part& part) {
   for (std::uint32_t k = 0; k < part.node_count; ++k) {
     Node& node = nodes_[part.node + k];
     node.update = static_cast<std::uint32_t>(updates_.size());
-    for (std::uint32_t i = 0; i < node.later_count; ++i) {
-      for (std::uint32_t j = 0; j < i; ++j) {
-        updates_.push_back(block_between(later_[node.later + j].node, later_[node.later + i].node));
+    updates_.resize(updates_.size() + (node.later_count + 1) * node.later_count / 2);
+    // Row i ends with the diagonal. What a node meets later its neighbours meet as well.
+    for (std::uint32_t j = 0; j < node.later_count; ++j) {
+      const Node& other = nodes_[later_[node.later + j].node];
+      updates_[node.update + j * (j + 1) / 2 + j] = other.diagonal;
+      std::uint32_t at = other.later;
+      for (std::uint32_t i = j + 1; i < node.later_count; ++i) {
+        while (later_[at].node != later_[node.later + i].node) ++at;
+        updates_[node.update + i * (i + 1) / 2 + j] = later_[at].block;
       }
-      updates_.push_back(nodes_[later_[node.later + i].node].diagonal);
     }
   }
 }
