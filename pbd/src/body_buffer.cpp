@@ -112,7 +112,12 @@ int BodyBuffer::prepare(const World& world, std::span<const ConstraintEdge> edge
 
 void BodyBuffer::keep_inertias() {
   inertias_.resize(bodies_.size());
-  for (std::size_t i = 0; i < bodies_.size(); ++i) inertias_[i] = bodies_[i].inv_inertia_w;
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) keep_inertia(i);
+}
+
+bool BodyBuffer::outdates_rows(std::uint32_t slot, const Vec3& moments) const {
+  const double turn = 2.0 * (inertias_[slot].q.conjugate() * bodies_[slot].q).vec().norm();
+  return staleness(turn, moments) > kStale;
 }
 
 /// Rows give a torque, but for contacts without friction whose force goes through the centre.

@@ -29,11 +29,18 @@ class BodyBuffer {
   int prepare(const World& world, std::span<const ConstraintEdge> edges,
               std::span<const Group> groups, Workers& workers);
   /// Inertia turns with what joints turn, within a substep. Contacts are solved with that of the
-  /// step's start, which their rows expect: where they moved a forearm by another one, sweeps grew
+  /// pose that their rows were made for: where they moved a forearm by another one, sweeps grew
   /// without bound.
   void keep_inertias();
-  void keep_inertia(std::uint32_t slot) { inertias_[slot] = bodies_[slot].inv_inertia_w; }
-  void restore_inertia(std::uint32_t slot) { bodies_[slot].inv_inertia_w = inertias_[slot]; }
+  void keep_inertia(std::uint32_t slot) {
+    inertias_[slot] = {bodies_[slot].inv_inertia_w, bodies_[slot].q};
+  }
+  void restore_inertia(std::uint32_t slot) {
+    bodies_[slot].inv_inertia_w = inertias_[slot].inverse;
+  }
+  /// Whether the body has turned so far from the pose of its kept inertia that an impulse which
+  /// takes energy by that one may add energy by its own.
+  bool outdates_rows(std::uint32_t slot, const Vec3& moments) const;
   std::span<SolverBody> all() { return bodies_; }
   SolverBody& operator[](std::size_t slot) { return bodies_[slot]; }
   std::size_t size() const { return bodies_.size(); }
@@ -53,7 +60,11 @@ class BodyBuffer {
   static void mark_contacts(World& world);
 
   std::vector<SolverBody> bodies_;
-  std::vector<Mat3> inertias_;  ///< inverse, by slot; where joints are
+  struct KeptInertia {
+    Mat3 inverse;
+    Quat q;  ///< the body's, for which it is
+  };
+  std::vector<KeptInertia> inertias_;  ///< by slot; where joints are
   std::vector<std::uint32_t> kinematic_;
 };
 

@@ -196,8 +196,9 @@ void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
       const std::uint32_t b = support.distance(made.b[lane]);
       made.a_below = static_cast<LaneMask>(made.a_below | unsigned{a < b} << lane);
       made.b_below = static_cast<LaneMask>(made.b_below | unsigned{b < a} << lane);
-      const bool joined = ctx.bodies[made.a[lane]].projected || ctx.bodies[made.b[lane]].projected;
-      made.joined = static_cast<LaneMask>(made.joined | unsigned{joined} << lane);
+      const bool on_joint =
+          ctx.bodies[made.a[lane]].projected || ctx.bodies[made.b[lane]].projected;
+      made.joined = static_cast<LaneMask>(made.joined | unsigned{on_joint} << lane);
     }
     repeat_first_row(made);
     kernels->prepare(made, kAllLanes, numbers);
@@ -213,10 +214,10 @@ void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
                               prepare(rows[k], block(k));
                             }
                           });
+  joined = std::any_of(rows.begin(), rows.end(), [](const ContactRows& r) { return r.joined; });
 }
 
 void ContactBlock::Impl::renew_rows(const SubstepContext& ctx) {
-  if (!std::exchange(turned, false)) return;
   if (std::none_of(ctx.members.begin(), ctx.members.end(),
                    [&](std::uint32_t body) { return ctx.bodies[body].reoriented; }))
     return;
@@ -256,7 +257,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
     m.refined.group = m.refined.below + static_cast<int>(rows / ctx.share_of_budget);
     m.refined_rows += rows;
   }
-  m.renew_rows(ctx);
+  if (std::exchange(m.turned, false) || m.joined) m.renew_rows(ctx);
   const AnchorNumbers anchors = anchors_of(m.contacts);
   m.for_rows(ctx, [&](ContactRows& rows) {
     m.prefetch_anchors(rows);
@@ -334,7 +335,7 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const bool first_substep = ctx.substep == 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
-  m.renew_rows(ctx);
+  if (std::exchange(m.turned, false)) m.renew_rows(ctx);
   if (m.any_restitution) {
     m.impacts.run(m.rows, *m.kernels, ctx.bodies, m.rows_to_sweep(0, ctx));
   }

@@ -62,6 +62,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   double residual = 0.0;
   double last_h = 0.0;  ///< s, length of a substep in the last step; 0: there was none
   bool turned = false;  ///< poses have been advanced since rows were made or renewed
+  bool joined = false;  ///< some row of the group is of a body on joints
   bool any_friction = false;
   bool any_restitution = false;
 
@@ -221,6 +222,10 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   /// Rows of bodies whose spin changes by itself are those of where they turn to: an axis that has
   /// turned takes the spin with it, which arms and inertia of another pose take for a blow. A dowel
   /// of 1 x 60 cm that rolls at 1 m/s and yaws by 0.5 rad/s had 1e5 times its energy after 5 s so.
+  /// So are those of bodies that joints have turned: what takes energy by the inertia of one pose
+  /// adds some by that of another, and joints and contacts took turns at it. In a substep links
+  /// turn by 0.05 rad, but in a step of 1/30 s by 7: a chain of 11 that whips came from 130 to
+  /// 3500 J within ten of its 128 substeps.
   void renew_rows(const SubstepContext& ctx);
 
   double largest_change() const {

@@ -20,10 +20,6 @@ namespace {
 constexpr double kSlowSpin = 0.02;
 constexpr double kSlowTorque = 2e-5;
 
-/// rad by which the spin may have turned within the body before its rows are made anew, for bodies
-/// whose moments are as good as equal: what rows take for a blow goes by their ratio.
-constexpr double kStale = 0.02;
-
 /// Whether the spin of a body may change by itself.
 bool may_tumble(const SolverBody& body, const BodyProps& props) {
   const Vec3& moments = props.principal.moments;
@@ -59,7 +55,7 @@ void spin_freely(SolverBody& body, const BodyProps& props, double h) {
 [[gnu::noinline]] void tumble(SolverBody& body, const BodyProps& props, double rate, double h) {
   spin_freely(body, props, h);
   const Vec3& moments = props.principal.moments;
-  body.stale += rate * h * moments.maxCoeff() / moments.minCoeff();
+  body.stale += staleness(rate * h, moments);
   body.reoriented = body.stale > kStale;
   const Vec3 pushed = h * body.w_push;
   body.w_push.setZero();
@@ -101,6 +97,12 @@ void inverse_inertia_w(const Quat& q, const BodyProps& props, Mat3& result) {
     inertia.col(axis).setZero();
   }
   result = inverse_where_free(inertia);
+}
+
+double staleness(double turn, const Vec3& moments) {
+  const double most = moments.maxCoeff();
+  const double least = moments.minCoeff();
+  return most > least ? turn * most / least : 0.0;
 }
 
 void refresh_inertia(SolverBody& body, const BodyProps& props) {

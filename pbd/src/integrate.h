@@ -33,6 +33,12 @@ void inverse_inertia_w(const Quat& q, const BodyProps& props, Mat3& result);
 /// That of the body's orientation.
 void refresh_inertia(SolverBody& body, const BodyProps& props);
 
+/// What rows take for a blow where a body has turned by `turn` (rad) since they were made goes by
+/// the ratio of its moments; 0 where these are equal.
+double staleness(double turn, const Vec3& moments);
+/// Of that, from where on rows are made anew.
+inline constexpr double kStale = 0.02;  // rad
+
 /// Forces and damping for one substep of a dynamic body: v and w become those with which it moves.
 /// A body whose rows project poses and whose spin changes by itself turns freely here, pose and
 /// all, since these rows start from there; any other one does in advance_pose().

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 #include <algorithm>
+#include <cmath>
 
 #include "support/catch.h"
 #include "tandem/pbd/random.h"
@@ -94,6 +95,52 @@ TEST_CASE("joint fall: ragdolls that fall on hands and head gain nothing",
       CAPTURE(fall.hz, k);
       CHECK(gain(scene, fall.hz, 1.0) < 0.01);
     }
+  }
+}
+
+/// A chain of links on hinges that hangs on one end and is let go along its whole length.
+/// @return  what it gains over its energy at first, as a part of what its weight does on half of
+///          its length
+double whip(std::uint64_t seed) {
+  pbd::SplitMix64 random(seed);
+  Scene scene;
+  const double half = 0.5 * random.uniform(0.05, 0.3);
+  const double x = random.uniform(-1.0, 1.0);
+  const pbd::Vec3 along = pbd::Vec3(x, random.uniform(-1.0, 1.0), 0.0).normalized();
+  const Quat q = Quat::FromTwoVectors(pbd::Vec3::UnitX(), along);
+  const int links = 5 + static_cast<int>(seed % 6);
+  BodyId before;
+  double mass = 0.0;
+  for (int i = 0; i < links; ++i) {
+    const double own = 0.3 * std::pow(30.0, random.uniform(0.0, 1.0));
+    mass += own;
+    const BodyId body = scene.add(Box{0.8 * half, 0.2 * half, 0.2 * half},
+                                  {.mass = own, .pose = {(2 * i + 1) * half * along, q}});
+    pbd::Vec3 axis;
+    for (double& each : axis) each = random.uniform(-1.0, 1.0);
+    auto joint =
+        pbd::hinge_joint_at(scene.world(), before, body, 2 * i * half * along, axis.normalized());
+    joint.collide_connected = false;
+    scene.add_joint(joint);
+    before = body;
+  }
+  const double start = scene.world().mechanical_energy();
+  double most = start;
+  for (int i = 0; i < 90; ++i) {
+    REQUIRE(scene.step(1.0 / 30.0).status == pbd::StepStatus::Ok);
+    most = std::max(most, scene.world().mechanical_energy());
+  }
+  return (most - start) / (mass * 9.81 * half * links);
+}
+
+// Links that whip turn by radians in a step. Contacts took energy by the inertia of the pose that
+// it began with, which is to add it by that of the next: of 700 such chains 14 gained above 1 %, by
+// 0.45, 0.55, 5.5, 5, 0.2 and 0.43 in these. Two do still, by 1.3 and 2.2 %.
+TEST_CASE("joint fall: chains that whip and touch themselves gain nothing",
+          "[scene][joint][invariant]") {
+  for (const std::uint64_t seed : {266, 356, 521, 638, 652, 698}) {
+    CAPTURE(seed);
+    CHECK(whip(seed) < 0.01);
   }
 }
 
