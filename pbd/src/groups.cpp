@@ -231,7 +231,14 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                        keeps_near(bodies[i], before[i].pose, way, turn, own) &&
                        (sprung_[i] == 0 || is_steady(i));
     if (rests) {
+      // Its mean speed is that of each such time by itself: what creeps on is slow all along, and
+      // does not stir now and then, whenever it has come far.
+      const double times = std::floor(own.low_speed_time / rule.sleep_after);
       own.low_speed_time += dt;
+      if (std::floor(own.low_speed_time / rule.sleep_after) > times) {
+        own.moved.setZero();
+        own.turned.setZero();
+      }
     } else {
       own.stir();
     }

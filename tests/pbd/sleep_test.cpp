@@ -88,6 +88,28 @@ TEST_CASE("sleep: what trembles about a place rests, and what creeps does not", 
   CHECK(slider.state().position[0] == Approx(0.015).epsilon(1e-6));
 }
 
+TEST_CASE("sleep: what two of an island creep by is slow at any phase of it", "[pbd][sleep]") {
+  // Without friction, at 0.8 of what counts as rest: each has gone as far as that in 0.5 s every
+  // 0.625 s, the second one 0.3 s after the first.
+  Mounted m(weightless(), kDefaults);
+  const double speed = 0.8 * kDefaults.sleep_speed;
+  const auto slider = [&](double x) {
+    m.add_box(2.0, Vec3(x, 0.0, 0.0));
+    m.add_joint(slider_joint_at(m.world, {}, m.body, Vec3(x, 0.0, 0.0), Vec3::UnitX()));
+    m.world.set_twist(m.body, {Vec3(speed, 0.0, 0.0), Vec3::Zero()});
+    return m.body;
+  };
+  const BodyId first = slider(0.0);
+  const BodyId second = slider(2.0);
+  auto& ropes = m.world.add_block<DistanceJoints>();
+  ropes.add(m.world, {.a = first, .b = second, .elastic = false, .max_length = 10.0});
+  m.run(0.3);
+  m.world.set_twist(second, {Vec3(speed, 0.0, 0.0), Vec3::Zero()});
+  m.run(5.0);
+  CHECK_FALSE(m.world.awake(first));
+  CHECK_FALSE(m.world.awake(second));
+}
+
 TEST_CASE("sleep: a motor that a limit or its load stops lets its body sleep", "[pbd][sleep]") {
   for (const bool at_limit : {true, false}) {
     Mounted m(WorldDef{}, kDefaults);

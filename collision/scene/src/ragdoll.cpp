@@ -40,6 +40,11 @@ struct Piece {
   Hold hold;
 };
 
+/// m/s and rad/s: slower limbs may rest. Those that lie on each other slide on for long at a few
+/// millimetres a second; with the solver's thresholds of twelve heaps of nine none sleeps.
+constexpr double kRestSpeed = 0.03;
+constexpr double kRestSpin = 0.3;
+
 constexpr double kHip = 0.530, kKnee = 0.285, kShoulder = 0.818, kElbow = 0.632;
 
 constexpr Piece kUpperArm{{0.028, 0.155, kShoulder, kElbow, 0.025},
@@ -124,6 +129,8 @@ Ragdoll::Ragdoll(Scene& scene, const RagdollDef& def) {
                                  .pose = {def.pose.to_world(middle), def.pose.orientation},
                                  .material = def.material,
                                  .filter = filter,
+                                 .sleep_speed = kRestSpeed,
+                                 .sleep_spin = kRestSpin,
                                  .user_data = def.user_data});
       parts.push_back(bodies_[part]);
       if (part == Part::Pelvis) continue;

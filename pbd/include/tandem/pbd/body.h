@@ -108,8 +108,9 @@ struct TANDEM_API BodyActivity {
   std::uint16_t steps_at_lower_level =
       0;                        ///< steps in a row for which a lower level would have done
   double low_speed_time = 0.0;  ///< s for which it has been slow
-  Vec3 moved = Vec3::Zero();    ///< m, in that time
-  Vec3 turned = Vec3::Zero();   ///< rad, in that time, a rotation vector while it is small
+  // In that time, since the last multiple of SolverOptions::sleep_after:
+  Vec3 moved = Vec3::Zero();   ///< m
+  Vec3 turned = Vec3::Zero();  ///< rad, a rotation vector while it is small
 
   /// From now on it is not known to be slow.
   void stir() {
