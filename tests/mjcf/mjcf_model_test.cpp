@@ -177,9 +177,9 @@ TEST_CASE("mjcf: slides behind a hinge turn with it", "[mjcf]") {
   CHECK((end(hinge + slide) - Vec3(1.0, 1.0, 0.0)).norm() < 3e-3);
   // On a carriage that weighs nothing it keeps its speed along the carriage's way, which is 0.
   CHECK(end(slide + hinge).x() == Approx(1.0).margin(3e-3));
-  CHECK(refusal([&] {
-          end("<joint type='slide' axis='0 1 0'/>" + hinge + slide);
-        }).find("before all slides or behind them") != std::string::npos);
+  // The carriage has the bead's speed, and the rod stands still.
+  CHECK((end("<joint type='slide' axis='0 1 0'/>" + hinge + slide) - Vec3(1.0, 1.0, 0.0)).norm() <
+        3e-3);
   // Along the hinge's axis it may stand anywhere.
   CHECK_NOTHROW(end(slide + hinge + "<joint type='slide' axis='0 0 1'/>"));
 }

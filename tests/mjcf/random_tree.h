@@ -14,7 +14,8 @@ namespace mjcf_test {
 /// damping, dry friction and springs; nothing touches.
 class RandomTree {
  public:
-  explicit RandomTree(std::uint64_t seed) : random_(seed) {
+  /// @param several  half of the bodies have two or three joints that turn, or slides askew
+  explicit RandomTree(std::uint64_t seed, bool several = false) : random_(seed), several_(several) {
     const std::size_t count = 2 + random_.below(7);
     std::vector<std::vector<std::size_t>> children(count);
     for (std::size_t i = 1; i < count; ++i) children[random_.below(i)].push_back(i);
@@ -89,6 +90,22 @@ class RandomTree {
     if (!first) joint(name, 0, "0 1 0", rotor);
   }
 
+  /// Up to three hinges about any axes, or about axes at right angles, through a point or by each
+  /// other, and what else MuJoCo lets a body have: slides askew and between them.
+  void several(const std::string& name, bool rotor) {
+    constexpr const char* kAcross[] = {"1 0 0", "0 0 1", "0 1 0"};
+    constexpr const char* kNames[] = {"x", "y", "z"};
+    const std::uint64_t count = 2 + random_.below(2);
+    const bool across = sometimes();
+    const bool through_point = !sometimes();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (!through_point) anchor_ = three(0.1);
+      const std::string axis = three(1.0);
+      const int type = i > 0 && !across && random_.below(6) == 0 ? 1 : 0;
+      joint(name + kNames[i], type, across ? kAcross[i] : axis, rotor && i == 0);
+    }
+  }
+
   void geom() {
     const bool round = sometimes();
     std::string size = round ? number(0.03, 0.06) : number(0.03, 0.12);
@@ -112,6 +129,8 @@ class RandomTree {
     anchor_ = three(0.1);
     if (i == 0 && sometimes()) {
       text += "<freejoint/>";
+    } else if (several_ && random_.below(2) == 0) {
+      several(n, i == 0);
     } else if (sometimes()) {
       planar(n, i == 0);
     } else {
@@ -124,6 +143,7 @@ class RandomTree {
   }
 
   tandem::pbd::SplitMix64 random_;
+  bool several_;
   std::string actuators_;
   std::string anchor_;  ///< of a body's joints
 };

@@ -6,22 +6,19 @@
 
 namespace tandem::mjcf {
 
-Carrier carried(const Model& model, int body, Carrier parent) {
-  const mjModel& m = model.m;
-  const int* types = m.jnt_type + m.body_jntadr[body];
-  const int count = m.body_jntnum[body];
-  if (count == 0) return parent;
-  const bool turns = std::any_of(types, types + count, [](int t) { return t != mjJNT_SLIDE; });
+Carrier carried(const mjModel& m, JointRange joints, Carrier parent) {
+  if (joints.first == joints.end) return parent;
+  const bool turns = std::any_of(m.jnt_type + joints.first, m.jnt_type + joints.end,
+                                 [](int type) { return type != mjJNT_SLIDE; });
   return turns ? Carrier::Turns : std::max(parent, Carrier::Slides);
 }
 
-void add_armature(Model& model, int body, Carrier parent, pbd::BodyDef& def) {
+void add_armature(Model& model, JointRange joints, Carrier parent, pbd::BodyDef& def) {
   const mjModel& m = model.m;
-  const int first = m.body_jntadr[body];
-  const int end = first + m.body_jntnum[body];
+  const auto [first, end] = joints;
   const auto armature = [&](int j) { return m.dof_armature[m.jnt_dofadr[j]]; };
   // Along what it cannot move a body may have any mass, so that of all slides has to be one.
-  bool slides = parent == Carrier::Fixed && carried(model, body, parent) == Carrier::Slides;
+  bool slides = parent == Carrier::Fixed && carried(m, joints, parent) == Carrier::Slides;
   for (int j = first; j < end; ++j) slides = slides && armature(j) == armature(first);
   if (slides && armature(first) != 0.0) {
     const double mass = def.mass + armature(first);

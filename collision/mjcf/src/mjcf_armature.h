@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include "mjcf_model.h"
+#include "mjcf_joints.h"
 
 namespace tandem::mjcf {
 
@@ -13,13 +13,14 @@ enum class Carrier : std::uint8_t {
   Turns,
 };
 
-/// What the joints of `body` make of one whose parent is carried so.
-Carrier carried(const Model& model, int body, Carrier parent);
+/// What joints make of a body whose parent is carried so.
+Carrier carried(const mjModel& model, JointRange joints, Carrier parent);
 
 /// Armature is inertia of a coordinate: that of a rotor with a gear. Where the coordinate's speed
 /// is the body's own in the world it is added to the body, and nothing moves otherwise than with
 /// the rotor. Elsewhere it is left out, and told.
-/// @param parent  how the body's parent is carried
-void add_armature(Model& model, int body, Carrier parent, pbd::BodyDef& def);
+/// @param joints  between the body and its parent
+/// @param parent  how that is carried
+void add_armature(Model& model, JointRange joints, Carrier parent, pbd::BodyDef& def);
 
 }  // namespace tandem::mjcf

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "actuators.h"
@@ -15,7 +16,13 @@ namespace {
 constexpr double kAligned = 1e-6;
 constexpr const char* kBackwards = "its coordinate runs the other way here, limits and all";
 
-/// A body's joints: slides, and at most one that turns it.
+/// Unit, in the body's frame.
+Vec3 axis_of(const mjModel& m, int j) { return vec(m.jnt_axis + 3 * j).normalized(); }
+bool is_ball(const mjModel& m, int j) { return m.jnt_type[j] == mjJNT_BALL; }
+bool are_along(const Vec3& u, const Vec3& v) { return u.cross(v).norm() < kAligned; }
+bool are_across(const Vec3& u, const Vec3& v) { return std::abs(u.dot(v)) < kAligned; }
+
+/// What one joint stands for: slides, and at most one that turns.
 struct Chain {
   std::vector<int> slides;
   int turn = -1;
@@ -23,26 +30,59 @@ struct Chain {
   bool turn_first = false;
 };
 
+/// Where it is none, nothing.
+std::optional<Chain> chain(const mjModel& m, JointRange range) {
+  Chain out;
+  for (int j = range.first; j < range.end; ++j) {
+    if (m.jnt_type[j] == mjJNT_SLIDE) {
+      for (const int other : out.slides) {
+        if (!are_across(axis_of(m, j), axis_of(m, other))) return {};
+      }
+      out.slides.push_back(j);
+    } else if (out.turn < 0) {
+      out.turn = j;
+    } else {
+      return {};
+    }
+  }
+  bool before = false;
+  const int turn = out.turn;
+  for (const int j : out.slides) {
+    if (turn < 0) continue;
+    if (!is_ball(m, turn)) {
+      if (are_along(axis_of(m, j), axis_of(m, turn))) continue;
+      if (!are_across(axis_of(m, j), axis_of(m, turn))) return {};
+    }
+    (j < turn ? before : out.turn_first) = true;
+  }
+  if (before && out.turn_first) return {};
+  return out;
+}
+
 class JointReader {
  public:
-  JointReader(Model& model, int body, const Pose& frame)
-      : model_(model), m_(model.m), body_(body), frame_(frame), chain_(chain()) {}
+  JointReader(Model& model, JointRange range, const Pose& frame)
+      : model_(model),
+        m_(model.m),
+        range_(range),
+        frame_(frame),
+        chain_(chain(model.m, range).value()) {}
 
   BodyJoint read(const pbd::World& world, BodyId parent, BodyId child) {
     const int turn = chain_.turn;
     const Vec3 anchor =
         frame_.to_world(vec(m_.jnt_pos + 3 * (turn >= 0 ? turn : chain_.slides[0])));
     // x is the hinge's axis where there is one: that of twist has no bounds.
-    const bool on_slide = turn < 0 || (is_ball(turn) && !chain_.slides.empty());
+    const bool on_slide = turn < 0 || (is_ball(m_, turn) && !chain_.slides.empty());
     const Vec3 x = axis(on_slide ? chain_.slides[0] : turn);
     // Body b slides along the axes of body a: the child along its parent's, or, where it has been
     // turned before, the parent along those of the child, backwards.
     const double sign = chain_.turn_first ? -1.0 : 1.0;
     // Friction of a ball, too, is about the axes of body a: in MuJoCo those of the child.
-    const bool dry_ball = turn >= 0 && is_ball(turn) && chain_.slides.empty() &&
+    const bool dry_ball = turn >= 0 && is_ball(m_, turn) && chain_.slides.empty() &&
                           dry_friction(m_.jnt_dofadr[turn]) > 0.0;
     const bool child_first = chain_.turn_first || dry_ball;
-    BodyJoint out{.body = body_};
+    BodyJoint out{.range = range_, .child = child};
     pbd::SixDofJointDef& def = out.def;
     def = pbd::six_dof_joint_at(world, child_first ? child : parent, child_first ? parent : child,
                                 anchor, x);
@@ -58,59 +98,26 @@ class JointReader {
     for (auto* axes : {&def.linear, &def.angular}) {
       for (pbd::JointAxis& one : *axes) one.freedom = pbd::Freedom::Locked;
     }
-    if (turn >= 0 && is_ball(turn)) ball(def, turn);
-    if (turn >= 0 && !is_ball(turn)) coordinate(out, 3, turn, sign);
+    if (turn >= 0 && is_ball(m_, turn)) ball(def, turn);
+    if (turn >= 0 && !is_ball(m_, turn)) coordinate(out, 3, turn, sign);
     const Quat basis = world.pose(def.b).orientation * def.frame_b.basis;
     for (const int j : chain_.slides) {
       const Vec3 along = basis.conjugate() * axis(j);
       Eigen::Index at = 0;
-      if (!(along.cwiseAbs().maxCoeff(&at) > 1.0 - kAligned)) refuse();
-      if (def.linear[static_cast<std::size_t>(at)].freedom != pbd::Freedom::Locked) refuse();
+      along.cwiseAbs().maxCoeff(&at);
       coordinate(out, static_cast<int>(at), j, along[at] > 0.0 ? sign : -sign);
     }
     return out;
   }
 
  private:
-  bool is_ball(int j) const { return m_.jnt_type[j] == mjJNT_BALL; }
   /// World, unit.
-  Vec3 axis(int j) const { return (frame_.orientation * vec(m_.jnt_axis + 3 * j)).normalized(); }
-  bool is_along_turn(int slide, int turn) const {
-    return !is_ball(turn) && axis(slide).cross(axis(turn)).norm() < kAligned;
-  }
-
-  Chain chain() const {
-    Chain out;
-    const int first = m_.body_jntadr[body_];
-    for (int j = first; j < first + m_.body_jntnum[body_]; ++j) {
-      if (m_.jnt_type[j] == mjJNT_SLIDE) {
-        out.slides.push_back(j);
-      } else if (out.turn < 0) {
-        out.turn = j;
-      } else {
-        refuse();
-      }
-    }
-    bool before = false;
-    for (const int j : out.slides) {
-      if (out.turn < 0 || is_along_turn(j, out.turn)) continue;
-      (j < out.turn ? before : out.turn_first) = true;
-    }
-    if (before && out.turn_first) refuse();
-    return out;
-  }
-
-  [[noreturn]] void refuse() const {
-    throw SceneFileError(
-        "joints must be one, or slides at right angles and a hinge or ball, before all slides or "
-        "behind them, with the hinge's axis along one of them or at right angles to all");
-  }
-
+  Vec3 axis(int j) const { return frame_.orientation * axis_of(m_, j); }
   /// y and z along the slides that are at right angles to x, in their direction.
   void set_axes(pbd::SixDofJointDef& def, const pbd::World& world, const Vec3& x) const {
     std::vector<Vec3> across;
     for (const int j : chain_.slides) {
-      if (std::abs(x.dot(axis(j))) < kAligned) across.push_back(axis(j));
+      if (are_across(x, axis(j))) across.push_back(axis(j));
     }
     if (across.empty()) return;
     const bool left = across.size() > 1 && x.cross(across[0]).dot(across[1]) < 0.0;
@@ -171,16 +178,26 @@ class JointReader {
 
   Model& model_;
   const mjModel& m_;
-  int body_;
+  JointRange range_;
   const Pose& frame_;
   Chain chain_;
 };
 
 }  // namespace
 
-BodyJoint joint_of(Model& model, int body, const pbd::World& world, BodyId parent, BodyId child,
-                   const Pose& frame) {
-  return JointReader(model, body, frame).read(world, parent, child);
+std::vector<JointRange> joint_ranges(const mjModel& m, int body) {
+  const int first = m.body_jntadr[body];
+  std::vector<JointRange> out;
+  for (int j = first; j < first + m.body_jntnum[body]; ++j) {
+    if (out.empty() || !chain(m, {out.back().first, j + 1})) out.push_back({j, j});
+    out.back().end = j + 1;
+  }
+  return out;
+}
+
+BodyJoint joint_of(Model& model, JointRange range, const pbd::World& world, BodyId parent,
+                   BodyId child, const Pose& frame) {
+  return JointReader(model, range, frame).read(world, parent, child);
 }
 
 }  // namespace tandem::mjcf

@@ -14,17 +14,27 @@ struct Coordinate {
   int coordinate;  ///< as those of pbd::JointState::position
   double sign;     ///< -1: it runs the other way
 };
+/// Joints of the model that follow each other, from `first` to before `end`.
+struct JointRange {
+  int first, end;
+};
+/// Some joints of a body, as one.
 struct BodyJoint {
-  int body;  ///< in the model
+  JointRange range;
+  BodyId child;
   pbd::SixDofJointDef def;
   std::vector<Coordinate> coordinates;  ///< those that are no balls
 };
 
-/// The joints of a body that has some, none of them free, as one. MuJoCo takes them in their order,
-/// each in the frame that those before it have moved.
+/// A body's joints, none of them free, as few joints of Tandem in their order: between two of them
+/// stands a body. A joint is slides at right angles to each other and a hinge or a ball, either
+/// before all slides or behind them, with the hinge's axis along a slide or at right angles to all.
+std::vector<JointRange> joint_ranges(const mjModel& model, int body);
+
+/// MuJoCo takes a body's joints in their order, each in the frame that those before it have moved.
+/// @param range  of joint_ranges()
 /// @param frame  of the body, world, at qpos0
-/// @throws SceneFileError  where no sixDof joint moves so
-BodyJoint joint_of(Model& model, int body, const pbd::World& world, BodyId parent, BodyId child,
-                   const Pose& frame);
+BodyJoint joint_of(Model& model, JointRange range, const pbd::World& world, BodyId parent,
+                   BodyId child, const Pose& frame);
 
 }  // namespace tandem::mjcf

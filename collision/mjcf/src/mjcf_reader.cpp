@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "mjcf_actuators.h"
+#include "mjcf_between.h"
 #include "start_in_range.h"
 
 namespace tandem::mjcf {
@@ -30,7 +31,9 @@ void Reader::place(int b) {
   const Pose local = pose_of(m_.body_pos + 3 * b, m_.body_quat + 4 * b);
   const int parent = m_.body_parentid[b];
   body.frame = b == 0 ? local : at(parent).frame * local;
-  body.carrier = is_mocap(b) ? Carrier::Turns : carried(model_, b, at(parent).carrier);
+  const int first = m_.body_jntadr[b];
+  body.carrier = is_mocap(b) ? Carrier::Turns
+                             : carried(m_, {first, first + m_.body_jntnum[b]}, at(parent).carrier);
   body.lead = b;
   // What stands in the world stays a body of its own: it costs nothing, and has a place in it.
   const bool part = b > 0 && m_.body_jntnum[b] == 0 && !is_mocap(b) &&
@@ -72,12 +75,33 @@ void Reader::add_body(int b) {
       }
       def.pose.position = body.frame.to_world(-def.origin);
       damp(b, def);
-      add_armature(model_, b, at(m_.body_parentid[b]).carrier, def);
+      add_between(b, def);
     }
     scene_files::require_within(where, limits_.add(&SceneLimits::bodies));
     body.id = model_.guard(mjOBJ_BODY, b, [&] { return out_.scene.world().add_body(def); });
   }
   out_.bodies.push_back({model_.name(mjOBJ_BODY, b), lead.id, body.in_lead});
+}
+
+void Reader::add_between(int b, pbd::BodyDef& def) {
+  Body& body = at(b);
+  Carrier carrier = at(m_.body_parentid[b]).carrier;
+  body.joints = joint_ranges(m_, b);
+  if (body.joints.empty()) return;
+  if (body.joints.size() > 1) {
+    model_.warn(mjOBJ_BODY, b, "light bodies stand between joints that no single one stands for");
+  }
+  for (pbd::BodyDef& between : bodies_between(m_, body.joints, def)) {
+    const JointRange joints = body.joints[body.between.size()];
+    between.pose = {body.frame.to_world(-between.origin), body.frame.orientation};
+    add_armature(model_, joints, carrier, between);
+    carrier = carried(m_, joints, carrier);
+    scene_files::require_within(model_.where(mjOBJ_BODY, b), limits_.add(&SceneLimits::bodies));
+    body.between.push_back(
+        model_.guard(mjOBJ_BODY, b, [&] { return out_.scene.world().add_body(between); }));
+  }
+  def.pose.position = body.frame.to_world(-def.origin);
+  add_armature(model_, body.joints.back(), carrier, def);
 }
 
 /// By the damping of a free joint: a force and a torque in proportion to the speeds.
@@ -193,11 +217,15 @@ void Reader::add_joints(int b) {
   const int count = m_.body_jntnum[b];
   if (count == 0) return;
   if (m_.jnt_type[first] == mjJNT_FREE) return tell_free_joint(first);
-  scene_files::require_within(model_.where(mjOBJ_BODY, b), limits_.add(&SceneLimits::joints));
-  const BodyId parent = at(at(m_.body_parentid[b]).lead).id;
-  joints_.push_back(model_.guard(mjOBJ_BODY, b, [&] {
-    return joint_of(model_, b, out_.scene.world(), parent, body.id, body.frame);
-  }));
+  BodyId parent = at(at(m_.body_parentid[b]).lead).id;
+  for (std::size_t k = 0; k < body.joints.size(); ++k) {
+    scene_files::require_within(model_.where(mjOBJ_BODY, b), limits_.add(&SceneLimits::joints));
+    const BodyId child = k < body.between.size() ? body.between[k] : body.id;
+    joints_.push_back(model_.guard(mjOBJ_BODY, b, [&] {
+      return joint_of(model_, body.joints[k], out_.scene.world(), parent, child, body.frame);
+    }));
+    parent = child;
+  }
 }
 
 void Reader::tell_free_joint(int j) {
@@ -243,17 +271,16 @@ void Reader::start() {
   actuators.put(joints_);
   std::vector<pbd::JointId> ids;
   for (BodyJoint& joint : joints_) {
-    const int first = m_.body_jntadr[joint.body];
-    const int count = m_.body_jntnum[joint.body];
-    for (int j = first; moved && j < first + count; ++j) {
+    const auto [first, end] = joint.range;
+    for (int j = first; moved && j < end; ++j) {
       if (m_.jnt_type[j] != mjJNT_HINGE) continue;
       const int q = m_.jnt_qposadr[j];
-      const bool turned = joint.def.b != at(joint.body).id;  // the parent in the child's frame
+      const bool turned = joint.def.b != joint.child;  // the parent in the child's frame
       joint.def.start = (turned ? -1.0 : 1.0) * (wanted[static_cast<std::size_t>(q)] - m_.qpos0[q]);
     }
     const pbd::JointId id =
-        model_.guard(mjOBJ_BODY, joint.body, [&] { return out_.scene.add_joint(joint.def); });
-    for (int j = first; j < first + count; ++j) {
+        model_.guard(mjOBJ_JOINT, first, [&] { return out_.scene.add_joint(joint.def); });
+    for (int j = first; j < end; ++j) {
       out_.joints.push_back({model_.name(mjOBJ_JOINT, j), id});
     }
     ids.push_back(id);
@@ -269,8 +296,34 @@ void Reader::set_poses(const std::vector<mjtNum>& coordinates) {
   mj_kinematics(&m_, data.get());
   for (int b = 0; b < m_.nbody; ++b) {
     if (at(b).lead != b || m_.body_weldid[b] == 0) continue;
-    out_.scene.set_pose(at(b).id, pose_of(data->xpos + 3 * b, data->xquat + 4 * b));
+    const Body& body = at(b);
+    out_.scene.set_pose(body.id, pose_of(data->xpos + 3 * b, data->xquat + 4 * b));
+    for (std::size_t k = 0; k < body.between.size(); ++k) {
+      out_.scene.set_pose(body.between[k], frame_behind(b, body.joints[k].end, *data));
+    }
   }
+}
+
+/// World, of a body's frame as the joints before one of its own have moved it: MuJoCo tells of the
+/// last alone.
+Pose Reader::frame_behind(int b, int joint, const mjData& data) const {
+  const int parent = m_.body_parentid[b];
+  Pose out = pose_of(data.xpos + 3 * parent, data.xquat + 4 * parent) *
+             pose_of(m_.body_pos + 3 * b, m_.body_quat + 4 * b);
+  for (int j = m_.body_jntadr[b]; j < joint; ++j) {
+    const int q = m_.jnt_qposadr[j];
+    const double way = data.qpos[q] - m_.qpos0[q];
+    const Vec3 axis = vec(m_.jnt_axis + 3 * j);
+    if (m_.jnt_type[j] == mjJNT_SLIDE) {
+      out.position += way * (out.orientation * axis);
+      continue;
+    }
+    const Vec3 anchor = vec(m_.jnt_pos + 3 * j);
+    const Quat turn = m_.jnt_type[j] == mjJNT_BALL ? pose_of(m_.jnt_pos, data.qpos + q).orientation
+                                                   : Quat(Eigen::AngleAxisd(way, axis));
+    out = out * Pose{anchor - turn * anchor, turn};
+  }
+  return out;
 }
 
 /// What is counted alone.

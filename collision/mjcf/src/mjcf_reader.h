@@ -30,8 +30,10 @@ class Reader {
     int lead = 0;  ///< whose body in the scene it is a part of: itself, or one before it
     Pose in_lead;  ///< its frame in that one's
     Carrier carrier = Carrier::Fixed;
-    std::int32_t group = 0;  ///< of its tree; 0: of the world
-    BodyId id;               ///< of those that lead
+    std::int32_t group = 0;          ///< of its tree; 0: of the world
+    std::vector<JointRange> joints;  ///< each is one in the scene
+    std::vector<BodyId> between;     ///< between those, in their order
+    BodyId id;                       ///< of those that lead
     // What those have that lead, of all their parts:
     scene_files::RigidParts parts;
     std::size_t geoms = 0;
@@ -41,6 +43,7 @@ class Reader {
 
   void place(int body);
   void add_body(int body);
+  void add_between(int body, pbd::BodyDef& def);
   void damp(int body, pbd::BodyDef& def);
   void add_geom(int geom, const Filters& filters);
   double friction(int geom);
@@ -50,6 +53,7 @@ class Reader {
   void tell_free_joint(int joint);
   void start();
   void set_poses(const std::vector<mjtNum>& coordinates);
+  Pose frame_behind(int body, int joint, const mjData& data) const;
   void tell_rest();
 
   Model model_;

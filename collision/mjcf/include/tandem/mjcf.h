@@ -27,9 +27,9 @@ struct TANDEM_API MjcfOptions {
 /// (SceneFile::set_control()), gravity. Bodies without joints are
 /// parts of those that they are fixed to; SceneFile::pose() is that of any body's frame. Mocap
 /// bodies are kinematic. Geoms meet by their contype and conaffinity as in MuJoCo, but bodies of
-/// one tree do not meet each other. A body may have one joint, or slides at right angles to each
-/// other and a hinge or ball, in the file's order; others are refused. What is not read is told as
-/// warnings, by docs/scene_files.md. MuJoCo reads what the model includes, wherever that is: of
+/// one tree do not meet each other. Between joints of a body that no single one stands for, as the
+/// hinges of a hip, stand light bodies without a name. What is not read is told as warnings, by
+/// docs/scene_files.md. MuJoCo reads what the model includes, wherever that is: of
 /// models of strangers, parse text, which has no files beside it.
 /// @throws SceneFileError
 /// @par Thread safety  One call at a time in a process, as MuJoCo has it.
