@@ -25,8 +25,8 @@ struct Solid {
 
 class GltfReader {
  public:
-  GltfReader(const Place& document, SceneFile& out, const std::filesystem::path& folder)
-      : document_(document), out_(out), colliders_(document, folder) {}
+  GltfReader(const Place& document, SceneFile& out, const GltfSources& sources)
+      : document_(document), out_(out), colliders_(document, sources) {}
 
   void run() {
     if (document_.has("nodes")) {
@@ -263,7 +263,8 @@ SceneFile load_gltf(const std::filesystem::path& path, const SceneOptions& optio
 SceneFile parse_gltf(std::string_view text, const std::filesystem::path& folder,
                      const SceneOptions& options, std::string_view name, const SceneLimits& limits,
                      bool strict) {
-  scene_files::json document = scene_files::parse_document(text, name);
+  const auto parts = scene_files::GltfContainer::of(text, name);
+  scene_files::json document = scene_files::parse_document(parts.document, name);
   scene_files::rewrite_omi_physics(document);
   scene_files::Reading reading{
       .file = name, .limits = scene_files::LimitCount(limits), .strict = strict};
@@ -273,7 +274,7 @@ SceneFile parse_gltf(std::string_view text, const std::filesystem::path& folder,
   scene_files::check_gltf_extensions(at);
   std::optional<SceneFile> out;
   at.guard([&] { out.emplace(SceneFile{.scene = Scene(options)}); });
-  scene_files::GltfReader(at, *out, folder).run();
+  scene_files::GltfReader(at, *out, {folder, parts.binary}).run();
   scene_files::require_within(std::string(name), reading.limits.pairs(out->scene));
   out->warnings = std::move(reading.warnings);
   return std::move(*out);

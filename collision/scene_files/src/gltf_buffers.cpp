@@ -99,7 +99,8 @@ GltfBuffers::Bytes GltfBuffers::file(const Place& uri, const std::string& name) 
   for (const auto& part : path) inside = inside && part != "..";
   if (!inside) uri.refuse("the name of a file in the document's folder or below");
   Bytes& known = files_[path.lexically_normal()];
-  if (known == nullptr) known = std::make_shared<const std::string>(read_bytes(folder_ / path));
+  if (known == nullptr)
+    known = std::make_shared<const std::string>(read_bytes(sources_.folder / path));
   return known;
 }
 
@@ -108,6 +109,11 @@ const std::string& GltfBuffers::bytes(const Place& index) {
   const Place buffer = list.pick(index);
   Bytes& known = buffers_[index.value().get<std::int64_t>()];
   if (known != nullptr) return *known;
+  const bool first = index.value().get<std::int64_t>() == 0;
+  if (first && !sources_.binary.empty() && !buffer.has("uri")) {
+    known = std::make_shared<const std::string>(sources_.binary);
+    return *known;
+  }
   const Place uri = buffer.at("uri");
   const std::string text = decode_percent(uri);
   if (text.rfind("data:", 0) == 0) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "gltf_container.h"
 #include "place.h"
 
 namespace tandem::scene_files {
@@ -24,9 +25,9 @@ struct GltfAccessor {
 /// Buffers of a glTF document. They are read when they are asked for, each file once.
 class GltfBuffers {
  public:
-  /// @param folder  of files that the document names; nothing outside it is read
-  GltfBuffers(const Place& document, std::filesystem::path folder)
-      : document_(document), folder_(std::move(folder)) {}
+  /// @param sources  outlive this
+  GltfBuffers(const Place& document, const GltfSources& sources)
+      : document_(document), sources_(sources) {}
 
   /// @param type  what its elements must be      @param width  components of each
   GltfAccessor accessor(const Place& index, const char* type, std::size_t width);
@@ -38,7 +39,7 @@ class GltfBuffers {
   Bytes file(const Place& uri, const std::string& name);
 
   const Place& document_;
-  std::filesystem::path folder_;
+  const GltfSources& sources_;
   std::map<std::int64_t, Bytes> buffers_;
   std::map<std::filesystem::path, Bytes> files_;  ///< by their place in the folder
 };

@@ -28,8 +28,8 @@ Quat gltf_about_x(double angle);
 /// Colliders and triggers of glTF nodes, with their materials and filters.
 class GltfColliders {
  public:
-  GltfColliders(const Place& document, const std::filesystem::path& folder)
-      : document_(document), meshes_(document, folder) {}
+  GltfColliders(const Place& document, const GltfSources& sources)
+      : document_(document), meshes_(document, sources) {}
 
   /// Appends what it is, placed from the body's frame; nothing where that is not known, with a
   /// warning.

@@ -15,8 +15,8 @@ namespace tandem::scene_files {
 /// Shapes of a glTF document's meshes. Those alike are one shape, which is shared.
 class GltfMeshes {
  public:
-  GltfMeshes(const Place& document, const std::filesystem::path& folder)
-      : document_(document), buffers_(document, folder) {}
+  GltfMeshes(const Place& document, const GltfSources& sources)
+      : document_(document), buffers_(document, sources) {}
 
   /// Of all primitives of the mesh that `index` names.
   /// @param hull  their convex hull, else the surface

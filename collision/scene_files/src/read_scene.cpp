@@ -317,7 +317,8 @@ SceneFile parse_scene(std::string_view text, const SceneOptions& options, std::s
 
 SceneFile load_scene(const std::filesystem::path& path, const SceneOptions& options,
                      const SceneLimits& limits) {
-  if (path.extension() == ".gltf") return load_gltf(path, options, limits);
+  if (path.extension() == ".gltf" || path.extension() == ".glb")
+    return load_gltf(path, options, limits);
   return parse_scene(scene_files::read_bytes(path), options, path.string(), limits);
 }
 

@@ -93,7 +93,7 @@ struct TANDEM_API SceneLimits {
 /// @param name  stands for the file in messages
 TANDEM_API SceneFile parse_scene(std::string_view text, const SceneOptions& options = {},
                                  std::string_view name = "scene", const SceneLimits& limits = {});
-/// The same from a file; one that ends in .gltf is read as load_gltf() does.
+/// The same from a file; one that ends in .gltf or .glb is read as load_gltf() does.
 TANDEM_API SceneFile load_scene(const std::filesystem::path& path, const SceneOptions& options = {},
                                 const SceneLimits& limits = {});
 
@@ -114,8 +114,8 @@ TANDEM_API std::string write_scene(const Scene& scene, std::span<const SceneFile
 TANDEM_API std::string write_scene(const SceneFile& file);
 
 /// glTF 2.0 with KHR_physics_rigid_bodies and KHR_implicit_shapes, drafts of 2025, or with
-/// OMI_physics_body and OMI_physics_shape. Its y is up: the scene is turned so that z is. Buffers
-/// are embedded or files in `folder` or below.
+/// OMI_physics_body and OMI_physics_shape, as text or in its binary container (.glb). Its y is up:
+/// the scene is turned so that z is. Buffers are embedded or files in `folder` or below.
 /// @param strict  hulls of more than 128 corners or flat ones, and triangles without area, are
 ///   errors; else they are mended, and told
 TANDEM_API SceneFile load_gltf(const std::filesystem::path& path, const SceneOptions& options = {},
