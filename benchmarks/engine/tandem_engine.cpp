@@ -60,6 +60,7 @@ class TandemEngine final : public Engine {
     }
     if (touches) world_.set_contact_source(&shapes_);
     add_joints(world_, scene, ids_);
+    for (const auto& [a, b] : scene.apart) shapes_.set_apart(world_, id(a), id(b));
   }
 
   std::string name() const override { return "tandem"; }
@@ -87,6 +88,7 @@ class TandemEngine final : public Engine {
     EngineStats stats{.stage_s = {}, .substeps = solver_.options().substeps};
     if (report_ == nullptr) return stats;
     stats.substeps = report_->substeps;
+    stats.failed = report_->status != pbd::StepStatus::Ok;
     for (std::size_t i = 0; i < pbd::kStageNames.size(); ++i) {
       stats.stage_s.emplace_back(std::string(pbd::kStageNames[i]), report_->stage_s[i]);
     }

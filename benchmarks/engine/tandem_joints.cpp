@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "engine/tandem_joints.h"
 
+#include <cmath>
+
 #include "tandem/pbd/distance_joint.h"
 #include "tandem/pbd/joint.h"
 
@@ -15,18 +17,32 @@ pbd::SixDofJointDef definition(const pbd::World& world, const SceneJoint& joint,
     auto hinge = pbd::hinge_joint_at(world, a, b, anchor_w, joint.axis_w);
     if (joint.limited) {
       hinge.axis.freedom = pbd::Freedom::Limited;
-      hinge.axis.lower = -joint.limit;
-      hinge.axis.upper = joint.limit;
+      hinge.axis.lower = joint.lower;
+      hinge.axis.upper = joint.upper;
     }
-    if (joint.driven) hinge.axis.motor = {.mode = pbd::MotorMode::Velocity, .target = joint.speed};
+    if (joint.driven) {
+      hinge.axis.motor = {
+          .mode = pbd::MotorMode::Velocity, .target = joint.speed, .max_force = joint.max_torque};
+    }
+    hinge.axis.friction = joint.friction;
+    hinge.collide_connected = joint.touch;
     return hinge;
   }
   if (joint.kind == JointKind::Slider) {
     return pbd::slider_joint_at(world, a, b, anchor_w, joint.axis_w);
   }
   pbd::BallJointDef ball{.a = a, .b = b};
+  if (joint.limited || std::isfinite(joint.cone) || joint.friction > 0.0) {
+    ball = pbd::ball_joint_at(world, a, b, anchor_w, joint.axis_w);
+    ball.cone = joint.cone;
+    ball.limit_twist = joint.limited;
+    ball.lower_twist = joint.lower;
+    ball.upper_twist = joint.upper;
+  }
   ball.frame_a.anchor = joint.anchor_a_l;
   ball.frame_b.anchor = joint.anchor_b_l;
+  ball.drive.friction = joint.friction;
+  ball.collide_connected = joint.touch;
   ball.compliance = joint.compliance;
   ball.damping = joint.damping;
   return ball;

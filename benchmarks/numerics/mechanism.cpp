@@ -78,7 +78,8 @@ void motor_against_limit(Sheet& sheet) {
   SceneJoint& hinge = scene.add_joint(JointKind::Hinge, -1, arm, Vec3::Zero());
   hinge.axis_w = -Vec3::UnitY();
   hinge.limited = true;
-  hinge.limit = kLimit;
+  hinge.lower = -kLimit;
+  hinge.upper = kLimit;
   hinge.driven = true;
   hinge.speed = 10.0;
   const auto engine = sheet.make(scene);

@@ -52,6 +52,7 @@ class Box3dEngine final : public Engine {
     fixed_ = b3CreateBody(world_, &fixed);
     for (const SceneBody& body : scene.bodies) add_body(body);
     for (const SceneJoint& joint : scene.joints) add_joint(joint);
+    for (const auto& [a, b] : scene.apart) set_apart(a, b);
   }
   ~Box3dEngine() override {
     b3DestroyWorld(world_);
@@ -187,20 +188,41 @@ class Box3dEngine final : public Engine {
   }
 
   void add_joint(const SceneJoint& joint) {
-    if (joint.kind == JointKind::Hinge && !joint.limited && !joint.driven) return add_hinge(joint);
+    // What drives without a bound is none of its floats.
+    if (joint.driven && !std::isfinite(joint.max_torque)) {
+      throw std::invalid_argument("box3d: no motor of unlimited torque");
+    }
+    if (joint.kind == JointKind::Hinge) return add_hinge(joint);
     if (joint.kind != JointKind::Ball || joint.compliance > 0.0) {
-      throw std::invalid_argument("box3d: this adapter has rigid ball joints and free hinges only");
+      throw std::invalid_argument("box3d: this adapter has rigid ball joints and hinges only");
     }
     b3SphericalJointDef def = b3DefaultSphericalJointDef();
-    def.base.bodyIdA = id(joint.a);
-    def.base.bodyIdB = id(joint.b);
-    def.base.localFrameA.p = b3(joint.anchor_a_l);
-    def.base.localFrameB.p = b3(joint.anchor_b_l);
+    set_base(def.base, joint);
+    def.enableConeLimit = std::isfinite(joint.cone);
+    if (def.enableConeLimit) def.coneAngle = static_cast<float>(joint.cone);
+    def.enableTwistLimit = joint.limited;
+    def.lowerTwistAngle = static_cast<float>(joint.lower);
+    def.upperTwistAngle = static_cast<float>(joint.upper);
+    // As its samples make friction: a motor that holds still.
+    def.enableMotor = joint.friction > 0.0;
+    def.maxMotorTorque = static_cast<float>(joint.friction);
     b3CreateSphericalJoint(world_, &def);
   }
 
-  /// About z of its frames.
   void add_hinge(const SceneJoint& joint) {
+    b3RevoluteJointDef def = b3DefaultRevoluteJointDef();
+    set_base(def.base, joint);
+    def.enableLimit = joint.limited;
+    def.lowerAngle = static_cast<float>(joint.lower);
+    def.upperAngle = static_cast<float>(joint.upper);
+    def.enableMotor = joint.driven || joint.friction > 0.0;
+    def.motorSpeed = static_cast<float>(joint.driven ? joint.speed : 0.0);
+    def.maxMotorTorque = static_cast<float>(joint.driven ? joint.max_torque : joint.friction);
+    b3CreateRevoluteJoint(world_, &def);
+  }
+
+  /// Its joints turn and twist about z of their frames.
+  void set_base(b3JointDef& base, const SceneJoint& joint) const {
     const Quat frame_w = Quat::FromTwoVectors(Vec3::UnitZ(), joint.axis_w);
     const auto local = [&](int body, const Vec3& anchor_l) {
       b3Transform frame{};
@@ -209,12 +231,18 @@ class Box3dEngine final : public Engine {
       frame.q = b3(Quat(turn.conjugate() * frame_w));
       return frame;
     };
-    b3RevoluteJointDef def = b3DefaultRevoluteJointDef();
-    def.base.bodyIdA = id(joint.a);
-    def.base.bodyIdB = id(joint.b);
-    def.base.localFrameA = local(joint.a, joint.anchor_a_l);
-    def.base.localFrameB = local(joint.b, joint.anchor_b_l);
-    b3CreateRevoluteJoint(world_, &def);
+    base.bodyIdA = id(joint.a);
+    base.bodyIdB = id(joint.b);
+    base.localFrameA = local(joint.a, joint.anchor_a_l);
+    base.localFrameB = local(joint.b, joint.anchor_b_l);
+    base.collideConnected = joint.touch;
+  }
+
+  void set_apart(int a, int b) {
+    b3FilterJointDef def = b3DefaultFilterJointDef();
+    def.base.bodyIdA = id(a);
+    def.base.bodyIdB = id(b);
+    b3CreateFilterJoint(world_, &def);
   }
 
   int substeps_;

@@ -4,6 +4,7 @@
 // Jolt with its defaults (one collision step, 10 velocity and 2 position steps, Baumgarte 0.2,
 // penetration slop 20 mm, boxes rounded by 50 mm, body pair cache), one thread; never asleep unless
 // asked and without damping, as all engines here.
+#include <cmath>
 #include <stdexcept>
 
 #include "demos/engine/engine.h"
@@ -78,19 +79,8 @@ class JoltEngine final : public Engine {
                 .velocity_steps = settings.iterations.value_or(0),
                 .sleeping = settings.sleeping}) {
     for (const SceneBody& body : scene.bodies) world_.add(plain(body));
-    for (const SceneJoint& joint : scene.joints) {
-      if (joint.kind == JointKind::Hinge && !joint.limited && !joint.driven) {
-        const Pose& b = scene.bodies[static_cast<std::size_t>(joint.b)].pose;
-        world_.add_hinge(joint.a, joint.b, plain(b.to_world(joint.anchor_b_l)),
-                         plain(joint.axis_w));
-        continue;
-      }
-      if (joint.kind != JointKind::Ball || joint.compliance > 0.0) {
-        throw std::invalid_argument(
-            "jolt: this adapter has rigid ball joints and free hinges only");
-      }
-      world_.add_ball(joint.a, plain(joint.anchor_a_l), joint.b, plain(joint.anchor_b_l));
-    }
+    for (const SceneJoint& joint : scene.joints) add_joint(scene, joint);
+    for (const auto& [a, b] : scene.apart) world_.set_apart(a, b);
     world_.ready();
   }
 
@@ -115,6 +105,39 @@ class JoltEngine final : public Engine {
   }
 
  private:
+  void add_joint(const Scene& scene, const SceneJoint& joint) {
+    // What drives without a bound is none of its floats.
+    const bool unlimited = joint.driven && !std::isfinite(joint.max_torque);
+    const bool hinge = joint.kind == JointKind::Hinge;
+    if (unlimited || (!hinge && joint.kind != JointKind::Ball) || joint.compliance > 0.0) {
+      throw std::invalid_argument("jolt: this adapter has rigid ball joints and hinges only");
+    }
+    // Jolt's own joints never keep their bodies apart.
+    if (!joint.touch && joint.a >= 0) world_.set_apart(joint.a, joint.b);
+    if (!hinge && !joint.limited && !std::isfinite(joint.cone) && joint.friction == 0.0) {
+      world_.add_ball(joint.a, plain(joint.anchor_a_l), joint.b, plain(joint.anchor_b_l));
+      return;
+    }
+    const Pose& b = scene.bodies[static_cast<std::size_t>(joint.b)].pose;
+    jolt::Joint made{.a = joint.a,
+                     .b = joint.b,
+                     .point_w = plain(b.to_world(joint.anchor_b_l)),
+                     .axis_w = plain(joint.axis_w),
+                     .limited = joint.limited,
+                     .lower = joint.lower,
+                     .upper = joint.upper,
+                     .friction = joint.friction,
+                     .driven = joint.driven,
+                     .speed = joint.speed,
+                     .max_torque = joint.max_torque};
+    if (std::isfinite(joint.cone)) made.cone = joint.cone;
+    if (hinge) {
+      world_.add_hinge(made);
+    } else {
+      world_.add_swing_twist(made);
+    }
+  }
+
   int substeps_;
   jolt::World world_;
 };

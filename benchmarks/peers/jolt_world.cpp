@@ -6,6 +6,7 @@
 #include <Jolt/Core/JobSystemSingleThreaded.h>
 #include <Jolt/Core/TempAllocator.h>
 #include <Jolt/Physics/Body/BodyCreationSettings.h>
+#include <Jolt/Physics/Collision/GroupFilterTable.h>
 #include <Jolt/Physics/Collision/Shape/BoxShape.h>
 #include <Jolt/Physics/Collision/Shape/CapsuleShape.h>
 #include <Jolt/Physics/Collision/Shape/ConvexHullShape.h>
@@ -16,6 +17,7 @@
 #include <Jolt/Physics/Collision/Shape/SphereShape.h>
 #include <Jolt/Physics/Constraints/HingeConstraint.h>
 #include <Jolt/Physics/Constraints/PointConstraint.h>
+#include <Jolt/Physics/Constraints/SwingTwistConstraint.h>
 #include <Jolt/Physics/PhysicsSystem.h>
 #include <Jolt/RegisterTypes.h>
 
@@ -166,6 +168,7 @@ struct World::Impl {
   LayerPairs layer_pairs;
   JPH::TempAllocatorImpl buffer;
   JPH::JobSystemSingleThreaded jobs;
+  JPH::Ref<JPH::GroupFilterTable> apart;  ///< each body the sub group of its number
   JPH::PhysicsSystem system;
   std::vector<JPH::Body*> made;
   int collision_steps;
@@ -222,12 +225,46 @@ void World::add_ball(int a, const Vector& anchor_a_l, int b, const Vector& ancho
   impl_->system.AddConstraint(settings.Create(impl_->body(a), impl_->body(b)));
 }
 
-void World::add_hinge(int a, int b, const Vector& point_w, const Vector& axis_w) {
+void World::add_hinge(const Joint& joint) {
   JPH::HingeConstraintSettings settings;
-  settings.mPoint1 = settings.mPoint2 = JPH::RVec3(jph(point_w));
-  settings.mHingeAxis1 = settings.mHingeAxis2 = jph(axis_w);
-  settings.mNormalAxis1 = settings.mNormalAxis2 = jph(axis_w).GetNormalizedPerpendicular();
-  impl_->system.AddConstraint(settings.Create(impl_->body(a), impl_->body(b)));
+  settings.mPoint1 = settings.mPoint2 = JPH::RVec3(jph(joint.point_w));
+  settings.mHingeAxis1 = settings.mHingeAxis2 = jph(joint.axis_w);
+  settings.mNormalAxis1 = settings.mNormalAxis2 = jph(joint.axis_w).GetNormalizedPerpendicular();
+  if (joint.limited) {
+    settings.mLimitsMin = static_cast<float>(joint.lower);
+    settings.mLimitsMax = static_cast<float>(joint.upper);
+  }
+  settings.mMaxFrictionTorque = static_cast<float>(joint.friction);
+  if (joint.driven) settings.mMotorSettings.SetTorqueLimit(static_cast<float>(joint.max_torque));
+  JPH::TwoBodyConstraint* made = settings.Create(impl_->body(joint.a), impl_->body(joint.b));
+  impl_->system.AddConstraint(made);
+  if (!joint.driven) return;
+  auto* hinge = static_cast<JPH::HingeConstraint*>(made);
+  hinge->SetMotorState(JPH::EMotorState::Velocity);
+  hinge->SetTargetAngularVelocity(static_cast<float>(joint.speed));
+}
+
+void World::add_swing_twist(const Joint& joint) {
+  JPH::SwingTwistConstraintSettings settings;
+  settings.mPosition1 = settings.mPosition2 = JPH::RVec3(jph(joint.point_w));
+  settings.mTwistAxis1 = settings.mTwistAxis2 = jph(joint.axis_w);
+  settings.mPlaneAxis1 = settings.mPlaneAxis2 = jph(joint.axis_w).GetNormalizedPerpendicular();
+  settings.mNormalHalfConeAngle = settings.mPlaneHalfConeAngle = static_cast<float>(joint.cone);
+  settings.mTwistMinAngle = joint.limited ? static_cast<float>(joint.lower) : -JPH::JPH_PI;
+  settings.mTwistMaxAngle = joint.limited ? static_cast<float>(joint.upper) : JPH::JPH_PI;
+  settings.mMaxFrictionTorque = static_cast<float>(joint.friction);
+  impl_->system.AddConstraint(settings.Create(impl_->body(joint.a), impl_->body(joint.b)));
+}
+
+void World::set_apart(int a, int b) {
+  using SubGroup = JPH::CollisionGroup::SubGroupID;
+  if (!impl_->apart) {
+    impl_->apart = new JPH::GroupFilterTable(static_cast<JPH::uint>(impl_->made.size()));
+  }
+  for (const int i : {a, b}) {
+    impl_->body(i).SetCollisionGroup(JPH::CollisionGroup(impl_->apart, 0, SubGroup(i)));
+  }
+  impl_->apart->DisableCollision(SubGroup(a), SubGroup(b));
 }
 
 void World::ready() { impl_->system.OptimizeBroadPhase(); }

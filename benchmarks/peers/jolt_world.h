@@ -42,6 +42,20 @@ struct Body {
   double friction = 0.5, restitution = 0.0;
 };
 
+/// Hinge, or a ball joint with limits or friction; without them it has no friction and turns
+/// freely.
+struct Joint {
+  int a = -1;  ///< index of a body, -1: the world
+  int b = 0;
+  Vector point_w, axis_w;           ///< m; unit, of a hinge or of twist; as the bodies stand now
+  bool limited = false;             ///< what turns or twists about the axis, to [lower, upper]
+  double lower = 0.0, upper = 0.0;  ///< rad
+  double cone = 3.14159265;         ///< rad, of a ball joint, to pi
+  double friction = 0.0;            ///< N m
+  bool driven = false;              ///< a hinge, at the speed with at most this torque
+  double speed = 0.0, max_torque = 0.0;  ///< rad/s, N m
+};
+
 /// Jolt's defaults where nothing is given: one collision step, 10 velocity and 2 position steps.
 struct Options {
   Vector gravity;
@@ -61,8 +75,10 @@ class World {
   void add(const Body& body);
   /// @param a  index of a body, -1: the world
   void add_ball(int a, const Vector& anchor_a_l, int b, const Vector& anchor_b_l);
-  /// About an axis (unit) through a point (m) as the bodies stand now. @param a  as above
-  void add_hinge(int a, int b, const Vector& point_w, const Vector& axis_w);
+  void add_hinge(const Joint& joint);
+  void add_swing_twist(const Joint& joint);
+  /// The two bodies pass through each other.
+  void set_apart(int a, int b);
   /// To be called once, when all has been added.
   void ready();
   /// @throws std::runtime_error where Jolt's buffers were too small for all contacts

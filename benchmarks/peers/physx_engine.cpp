@@ -56,6 +56,7 @@ class PhysxEngine final : public Engine {
  public:
   PhysxEngine(const Scene& scene, const Settings& settings, physx::PxSolverType::Enum solver)
       : settings_(settings), solver_(solver), substeps_(settings.substeps.value_or(1)) {
+    if (!scene.has_simple_joints()) throw std::invalid_argument("physx: no such joint here");
     physx::PxSceneDesc desc(physics().getTolerancesScale());
     desc.gravity = px(scene.gravity);
     desc.cpuDispatcher = Process::get().dispatcher;

@@ -33,6 +33,7 @@ class BulletEngine final : public Engine {
         world_(&dispatcher_, &broad_phase_, &solver_, &configuration_),
         substeps_(settings.substeps.value_or(1)),
         sleeping_(settings.sleeping) {
+    if (!scene.has_simple_joints()) throw std::invalid_argument("bullet: no such joint here");
     world_.setGravity(bt(scene.gravity));
     if (settings.iterations) world_.getSolverInfo().m_numIterations = *settings.iterations;
     for (const SceneBody& body : scene.bodies) add_body(body);
@@ -217,7 +218,7 @@ class BulletEngine final : public Engine {
   static std::unique_ptr<btTypedConstraint> driven(const SceneJoint& joint,
                                                    std::unique_ptr<btHingeConstraint> hinge) {
     if (joint.limited) {
-      hinge->setLimit(static_cast<btScalar>(-joint.limit), static_cast<btScalar>(joint.limit));
+      hinge->setLimit(static_cast<btScalar>(joint.lower), static_cast<btScalar>(joint.upper));
     }
     if (joint.driven) hinge->enableAngularMotor(true, static_cast<btScalar>(joint.speed), 1e20f);
     return hinge;

@@ -30,7 +30,8 @@ struct Settings {
 /// What the engine says of itself; empty where it does not.
 struct EngineStats {
   std::vector<std::pair<std::string, double>> stage_s;  ///< of the last step
-  int substeps = 0;  ///< of the last step; before the first one, as set
+  int substeps = 0;     ///< of the last step; before the first one, as set
+  bool failed = false;  ///< it says so of the last step
 };
 
 /// One scene in one engine. Bodies are numbered as in the scene.

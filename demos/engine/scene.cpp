@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "demos/engine/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -64,6 +65,14 @@ SceneJoint& Scene::add_joint(JointKind kind, int a, int b, const Vec3& anchor_w)
   };
   joints.push_back({.kind = kind, .a = a, .b = b, .anchor_a_l = local(a), .anchor_b_l = local(b)});
   return joints.back();
+}
+
+bool Scene::has_simple_joints() const {
+  return apart.empty() && std::all_of(joints.begin(), joints.end(), [](const SceneJoint& joint) {
+           const bool limited = joint.limited && joint.kind == JointKind::Ball;
+           return !std::isfinite(joint.cone) && !std::isfinite(joint.max_torque) &&
+                  joint.friction == 0.0 && joint.touch && !limited;
+         });
 }
 
 int Scene::frames() const { return static_cast<int>(std::lround(seconds / dt)); }

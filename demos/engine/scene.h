@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -86,11 +88,17 @@ struct SceneJoint {
   double compliance = 0.0;         ///< m/N; ball and distance
   double damping = 0.0;            ///< N s/m; ball and distance
   double rest_length = 0.0;        ///< m; distance
-  Vec3 axis_w = Vec3::UnitX();     ///< world, as the bodies stand at the start; hinge and slider
-  bool limited = false;            ///< hinge: to the angles +-limit
-  double limit = 0.0;              ///< rad
-  bool driven = false;             ///< hinge: with unlimited torque, at the speed
-  double speed = 0.0;              ///< rad/s
+  /// World, as the bodies stand at the start; of hinge, slider, and twist of a ball.
+  Vec3 axis_w = Vec3::UnitX();
+  bool limited = false;  ///< hinge and twist: to [lower, upper], 0 at the start
+  double lower = 0.0;    ///< rad
+  double upper = 0.0;    ///< rad
+  bool driven = false;   ///< hinge: at the speed
+  double speed = 0.0;    ///< rad/s
+  double max_torque = std::numeric_limits<double>::infinity();  ///< N m, of what drives it
+  double cone = std::numeric_limits<double>::infinity();  ///< rad, ball: largest swing of the axis
+  double friction = 0.0;                                  ///< N m, ball and hinge: dry
+  bool touch = true;                                      ///< whether its bodies touch each other
 };
 
 struct Scene {
@@ -100,6 +108,7 @@ struct Scene {
   double seconds = 10.0;
   std::vector<SceneBody> bodies;
   std::vector<SceneJoint> joints;
+  std::vector<std::pair<int, int>> apart;  ///< pass through each other, besides those on joints
 
   /// Adds a body of the shape with its analytic inertia; returns its index.
   int add(const SceneShape& shape, double mass, const Pose& pose);
@@ -108,6 +117,9 @@ struct Scene {
   SceneJoint& add_joint(JointKind kind, int a, int b, const Vec3& anchor_w);
   void add_ball(int a, int b, const Vec3& anchor_w) { add_joint(JointKind::Ball, a, b, anchor_w); }
   int frames() const;
+  /// No joint has a cone, limits of twist, friction or a bound on what drives it, and no bodies are
+  /// kept apart.
+  bool has_simple_joints() const;
 };
 
 /// Principal moments (kg m^2) of the homogeneous shape of this mass; of a ball of 1 m for NoShape;
