@@ -7,6 +7,9 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "measure/clock.h"
+#include "scenes/joint_scenes.h"
+
 namespace tandem::bench {
 namespace {
 
@@ -41,16 +44,21 @@ double mechanical_energy(const Scene& scene, const Engine& engine) {
   return sum;
 }
 
-double joint_separation(const Scene& scene, const Engine& engine) {
-  double worst = 0.0;
+std::vector<double> joint_separations(const Scene& scene, const Engine& engine) {
+  std::vector<double> all;
   for (const SceneJoint& joint : scene.joints) {
     if (joint.kind != JointKind::Ball && joint.kind != JointKind::Hinge) continue;
     const Vec3 a =
         joint.a < 0 ? joint.anchor_a_l : engine.state(joint.a).pose.to_world(joint.anchor_a_l);
     const Vec3 b = engine.state(joint.b).pose.to_world(joint.anchor_b_l);
-    worst = std::max(worst, (a - b).norm());
+    all.push_back((a - b).norm());
   }
-  return worst;
+  return all;
+}
+
+double joint_separation(const Scene& scene, const Engine& engine) {
+  const std::vector<double> all = joint_separations(scene, engine);
+  return all.empty() ? 0.0 : *std::max_element(all.begin(), all.end());
 }
 
 /// What one kind of scene has to tell besides overlap and energy.
@@ -232,6 +240,50 @@ class Quality::HeapWatch final : public Watch {
   }
 };
 
+/// Scenes of joints: how well these hold, what energy comes and goes, and what falls asleep.
+class Quality::JointWatch final : public Watch {
+ public:
+  JointWatch(const Scene& scene, const Engine& engine)
+      : Watch(scene), start_(mechanical_energy(scene, engine)), now_(start_), most_(start_) {}
+  void after_frame(int frame, const Engine& engine) override {
+    const std::vector<double> apart = joint_separations(scene_, engine);
+    separations_.insert(separations_.end(), apart.begin(), apart.end());
+    const double before = now_;
+    now_ = mechanical_energy(scene_, engine);
+    most_ = std::max(most_, now_);
+    rise_ = std::max(rise_, now_ - before);
+    failed_ += engine.stats().failed ? 1 : 0;
+    awake_ = 0;
+    lowest_ = HUGE_VAL;
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      if (!moves(scene_.bodies[i])) continue;
+      awake_ += engine.awake(static_cast<int>(i)) ? 1 : 0;
+      lowest_ = std::min(lowest_, position(engine, i).z());
+    }
+    if (awake_ > 0) frames_awake_ = frame + 1;
+  }
+  void finish(const Engine& /*engine*/, Measures& out) override {
+    out.emplace_back("separation_p50", quantile(separations_, 0.5));
+    out.emplace_back("separation_p99", quantile(separations_, 0.99));
+    out.emplace_back("separation_max", quantile(separations_, 1.0));
+    out.emplace_back("energy_start", start_);
+    out.emplace_back("energy_end", now_);
+    out.emplace_back("energy_max", most_);
+    out.emplace_back("energy_rise_max", rise_);  // in one frame
+    out.emplace_back("bodies", std::count_if(scene_.bodies.begin(), scene_.bodies.end(), moves));
+    out.emplace_back("joints", scene_.joints.size());
+    out.emplace_back("awake_end", awake_);
+    out.emplace_back("frames_awake", frames_awake_);
+    out.emplace_back("failed_steps", failed_);
+    out.emplace_back("lowest_end", lowest_);
+  }
+
+ private:
+  std::vector<double> separations_;  ///< of all joints in all frames
+  double start_, now_, most_, rise_ = 0.0, lowest_ = 0.0;
+  int awake_ = 0, frames_awake_ = 0, failed_ = 0;
+};
+
 Quality::Quality(const Scene& scene, const Engine& engine, std::vector<Vec3> reference)
     : scene_(scene) {
   if (scene.joints.empty()) probe_ = std::make_unique<PenetrationProbe>(scene);
@@ -240,6 +292,7 @@ Quality::Quality(const Scene& scene, const Engine& engine, std::vector<Vec3> ref
   if (scene.name == "ratio") watch_ = std::make_unique<RatioWatch>(scene);
   if (scene.name == "cliff") watch_ = std::make_unique<CliffWatch>(scene);
   if (scene.name == "heap" || scene.name == "katamari") watch_ = std::make_unique<HeapWatch>(scene);
+  if (is_joint_scene(scene.name)) watch_ = std::make_unique<JointWatch>(scene, engine);
   if (scene.name == "chain") {
     watch_ = std::make_unique<ChainWatch>(scene, engine, std::move(reference));
   }

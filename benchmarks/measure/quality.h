@@ -21,7 +21,9 @@ double kinetic_energy(const Scene& scene, const Engine& engine);
 /// substep back, which is when the velocity of x += h v is that of the motion: a free fall then
 /// keeps its energy to the last digit, and what changes in other scenes is the engine's doing.
 double mechanical_energy(const Scene& scene, const Engine& engine);
-/// Largest distance (m) between the two anchors of a ball joint or hinge.
+/// Distance (m) between the two anchors of each ball joint and hinge.
+std::vector<double> joint_separations(const Scene& scene, const Engine& engine);
+/// The largest of them, 0 where there is none.
 double joint_separation(const Scene& scene, const Engine& engine);
 
 /// What a scene's run is judged by, watched frame by frame and told at the end. Lengths in m,
@@ -46,6 +48,7 @@ class Quality {
   class ChainWatch;
   class CliffWatch;
   class HeapWatch;
+  class JointWatch;
 
   const Scene& scene_;
   std::unique_ptr<PenetrationProbe> probe_;

@@ -8,6 +8,7 @@
 
 #include "demos/engine/scene.h"
 #include "demos/scenes/cliff_geometry.h"
+#include "scenes/place.h"
 #include "scenes/random.h"
 #include "tandem/pbd/validate.h"
 
@@ -16,12 +17,6 @@ namespace {
 
 BoxShape cube(double side) { return {Vec3::Constant(0.5 * side)}; }
 
-Pose at(double x, double y, double z) { return {.position = Vec3(x, y, z)}; }
-
-void add_ground(Scene& scene) {
-  scene.add_static(BoxShape{Vec3(50.0, 50.0, 1.0)}, at(0.0, 0.0, -1.0));
-}
-
 void build_cliff(Scene& scene) {
   SceneRandom random;
   demos::CliffMesh surface = demos::cliff_mesh();
@@ -29,15 +24,15 @@ void build_cliff(Scene& scene) {
   mesh->vertices = std::move(surface.vertices);
   mesh->triangles = std::move(surface.triangles);
   scene.add_static(MeshShape(std::move(mesh)));
-  for (const Vec3& place : demos::cliff_balls([&random] { return random.u(); })) {
-    scene.add(SphereShape{demos::kCliffBallRadius}, 1.0, {.position = place});
+  for (const Vec3& where : demos::cliff_balls([&random] { return random.u(); })) {
+    scene.add(SphereShape{demos::kCliffBallRadius}, 1.0, {.position = where});
   }
 }
 
 void build_stacks(Scene& scene) {
   add_ground(scene);
   for (int k = 0; k < 10; ++k) {
-    for (int i = 0; i < 10; ++i) scene.add(cube(1.0), 100.0, at((i - 4.5) * 4.0, 0.0, 0.5 + k));
+    for (int i = 0; i < 10; ++i) scene.add(cube(1.0), 100.0, place((i - 4.5) * 4.0, 0.0, 0.5 + k));
   }
 }
 
@@ -47,13 +42,13 @@ void build_katamari(Scene& scene) {
   for (int k = 0; k < 9; ++k) {
     for (int j = 0; j < 10; ++j) {
       for (int i = 0; i < 10; ++i) {
-        Pose pose = at((i - 4.5) * 0.7, (j - 4.5) * 0.7, 0.6 + 0.7 * k);
+        Pose pose = place((i - 4.5) * 0.7, (j - 4.5) * 0.7, 0.6 + 0.7 * k);
         pose.orientation = random.orientation(3.14159);
         scene.add(cube(0.4), 64.0, pose);
       }
     }
   }
-  Pose pose = at(0.1, 0.05, 8.5);
+  Pose pose = place(0.1, 0.05, 8.5);
   pose.orientation = random.orientation(1.0);
   scene.add(cube(1.5), 3375.0, pose);
 }
@@ -64,10 +59,10 @@ void build_chain(Scene& scene) {
   scene.seconds = 5.0;
   for (int i = 0; i < kLinks; ++i) {
     const int link =
-        scene.add(BoxShape{Vec3(0.1, 0.025, 0.025)}, 1.0, at((i + 0.5) * kLength, 0.0, 0.0));
+        scene.add(BoxShape{Vec3(0.1, 0.025, 0.025)}, 1.0, place((i + 0.5) * kLength, 0.0, 0.0));
     scene.add_ball(link - 1, link, Vec3(i * kLength, 0.0, 0.0));
   }
-  const int ball = scene.add(SphereShape{0.3}, 1000.0, at(kLinks * kLength + 0.3, 0.0, 0.0));
+  const int ball = scene.add(SphereShape{0.3}, 1000.0, place(kLinks * kLength + 0.3, 0.0, 0.0));
   scene.add_ball(ball - 1, ball, Vec3(kLinks * kLength, 0.0, 0.0));
   for (SceneBody& body : scene.bodies) body.collides = false;
 }
@@ -76,13 +71,13 @@ void build_heap(Scene& scene) {
   SceneRandom random;
   add_ground(scene);
   for (const double side : {-1.0, 1.0}) {
-    scene.add_static(BoxShape{Vec3(1.0, 7.0, 8.0)}, at(6.0 * side, 0.0, 8.0));
-    scene.add_static(BoxShape{Vec3(7.0, 1.0, 8.0)}, at(0.0, 6.0 * side, 8.0));
+    scene.add_static(BoxShape{Vec3(1.0, 7.0, 8.0)}, place(6.0 * side, 0.0, 8.0));
+    scene.add_static(BoxShape{Vec3(7.0, 1.0, 8.0)}, place(0.0, 6.0 * side, 8.0));
   }
   for (int k = 0; k < 20; ++k) {
     for (int j = 0; j < 20; ++j) {
       for (int i = 0; i < 20; ++i) {
-        Pose pose = at((i - 9.5) * 0.45, (j - 9.5) * 0.45, 0.4 + 0.45 * k);
+        Pose pose = place((i - 9.5) * 0.45, (j - 9.5) * 0.45, 0.4 + 0.45 * k);
         pose.orientation = random.orientation(0.4);
         scene.add(cube(0.3), 27.0, pose);
       }
@@ -93,7 +88,7 @@ void build_heap(Scene& scene) {
 void build_ratio(Scene& scene) {
   add_ground(scene);
   double mass = 1.0;
-  for (int k = 0; k < 5; ++k, mass *= 10.0) scene.add(cube(1.0), mass, at(0.0, 0.0, 0.5 + k));
+  for (int k = 0; k < 5; ++k, mass *= 10.0) scene.add(cube(1.0), mass, place(0.0, 0.0, 0.5 + k));
 }
 
 void build_pyramid(Scene& scene) {
@@ -102,7 +97,7 @@ void build_pyramid(Scene& scene) {
   for (int k = 0; k < kRows; ++k) {
     const int count = kRows - k;
     for (int i = 0; i < count; ++i) {
-      scene.add(cube(1.0), 100.0, at((i - 0.5 * (count - 1)) * 1.02, 0.0, 0.5 + k));
+      scene.add(cube(1.0), 100.0, place((i - 0.5 * (count - 1)) * 1.02, 0.0, 0.5 + k));
     }
   }
 }

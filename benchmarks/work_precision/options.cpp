@@ -30,6 +30,7 @@ RunOptions parse_arguments(std::span<const std::string_view> words) {
               {"--iterations", count(options.settings.iterations)},
               {"--velocity-iterations", count(options.settings.velocity_iterations)},
               {"--threads", count(options.settings.threads)},
+              {"--size", count(options.size)},
               {"--frames", count(options.frames)},
               {"--seconds", [&options](demos::Argument& in) {
                  options.frames = static_cast<int>(

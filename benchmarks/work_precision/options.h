@@ -12,6 +12,7 @@ namespace tandem::bench {
 
 struct RunOptions {
   std::string scene;
+  int size = 0;  ///< of a scene of joints; 0: its own
   Settings settings;
   int frames = 0;         ///< 0 = the scene's length
   std::string reference;  ///< path of the chain's reference

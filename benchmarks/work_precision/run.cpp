@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -15,13 +16,14 @@
 #include "arguments/arguments.h"
 #include "measure/clock.h"
 #include "measure/quality.h"
+#include "scenes/joint_scenes.h"
 #include "work_precision/options.h"
 
 namespace tandem::bench {
 namespace {
 
 struct Times {
-  std::vector<double> wall_s, cpu_s;  ///< by frame
+  std::vector<double> wall_s, cpu_s;  ///< by frame in which something was awake
   std::map<std::string, std::vector<double>> stage_s;
   int substeps = 0;
 };
@@ -32,6 +34,8 @@ Measures summary(const Times& times) {
   add("cpu_ms_p50", quantile(times.cpu_s, 0.5));
   add("cpu_ms_mean", mean(times.cpu_s));
   add("cpu_ms_p99", quantile(times.cpu_s, 0.99));
+  add("cpu_ms_max", quantile(times.cpu_s, 1.0));
+  add("cpu_ms_first", times.cpu_s.front());
   add("wall_ms_p50", quantile(times.wall_s, 0.5));
   add("wall_ms_mean", mean(times.wall_s));
   add("wall_ms_p99", quantile(times.wall_s, 0.99));
@@ -39,6 +43,11 @@ Measures summary(const Times& times) {
   add("cpu_ms_last_2s",
       mean({times.cpu_s.end() - static_cast<std::ptrdiff_t>(last), times.cpu_s.end()}));
   out.emplace_back("substeps", times.substeps);
+  // What is set up anew in the first two frames is no surprise later.
+  const double slow_s = 4.0 * quantile(times.cpu_s, 0.5);
+  const auto late = times.cpu_s.begin() + std::min<std::ptrdiff_t>(2, std::ssize(times.cpu_s));
+  out.emplace_back("slow_frames", std::count_if(late, times.cpu_s.end(),
+                                                [slow_s](double s) { return s > slow_s; }));
   return out;
 }
 
@@ -98,8 +107,17 @@ void print_frames(const Times& times) {
   }
 }
 
+bool something_awake(const Scene& scene, const Engine& engine) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const bool moves = scene.bodies[i].type == BodyType::Dynamic;
+    if (moves && engine.awake(static_cast<int>(i))) return true;
+  }
+  return false;
+}
+
 void run(const RunOptions& options, const MakeEngine& make) {
-  Scene scene = peer_scene(options.scene);
+  Scene scene = is_joint_scene(options.scene) ? joint_scene(options.scene, options.size)
+                                              : peer_scene(options.scene);
   if (options.frames > 0) scene.seconds = options.frames * scene.dt;
   const double memory_kb = resident_kb();
   const std::unique_ptr<Engine> engine = make(scene, options.settings);
@@ -108,11 +126,14 @@ void run(const RunOptions& options, const MakeEngine& make) {
       options.reference.empty() ? std::vector<Vec3>{} : read_reference(options.reference));
   Times times;
   for (int frame = 0; frame < scene.frames(); ++frame) {
+    const bool awake = !options.settings.sleeping || something_awake(scene, *engine);
     const double wall = wall_seconds();
     const double cpu = thread_seconds();
     engine->step(scene.dt);
-    times.cpu_s.push_back(thread_seconds() - cpu);
-    times.wall_s.push_back(wall_seconds() - wall);
+    if (awake) {
+      times.cpu_s.push_back(thread_seconds() - cpu);
+      times.wall_s.push_back(wall_seconds() - wall);
+    }
     const EngineStats stats = engine->stats();
     times.substeps = std::max(times.substeps, stats.substeps);
     if (options.stages) {
@@ -136,9 +157,12 @@ void run(const RunOptions& options, const MakeEngine& make) {
 
 int work_precision_main(int argc, char** argv, const MakeEngine& make) {
   constexpr std::string_view kUsage =
-      "usage: work_precision_<engine> --scene NAME [--substeps N] [--iterations N]\n"
+      "usage: work_precision_<engine> --scene NAME [--size N] [--substeps N] [--iterations N]\n"
       "         [--velocity-iterations N] [--threads N] [--frames N | --seconds S] [--json]\n"
       "         [--stages] [--per-frame] [--sleeping] [--reference FILE]\n"
+      "Scenes: cliff, stacks, katamari, chain, heap, ratio, pyramid; of joints, which have a "
+      "size:\n"
+      "human, rain, wedge, joint_grid, ball_and_chain, bridge, crane, doors.\n"
       "What is not given is the engine's default.\n";
   return demos::program_main(argc, argv, kUsage, [&](std::span<const std::string_view> words) {
     run(parse_arguments(words), make);

@@ -7,9 +7,10 @@ chain's 5 s: a heap that still falls costs a quarter of one that has settled.
 
     python3 benchmarks/work_precision/run.py build/release/bin --out results          full, an hour
     python3 benchmarks/work_precision/run.py build/release/bin --quick --out quick    ten minutes
+    python3 benchmarks/work_precision/run.py build/release/bin --joints --out joints  scenes of joints
 
 Engines and settings take turns, so that a drift of the machine's speed meets all alike. One thread.
-Writes work_precision.csv (one line a run), machine.json and, with matplotlib, the plots.
+Writes work_precision.csv (joints.csv; one line a run), machine.json and, with matplotlib, the plots.
 """
 import argparse
 import itertools
@@ -25,6 +26,10 @@ import results
 
 SMALL = ("stacks", "ratio", "pyramid", "chain")
 LARGE = ("katamari", "cliff", "heap")
+# Of joints, at their defaults only: asleep where the engine lets them, but for the grid, which Box3D's
+# own benchmark keeps awake. Those that end in a number are of that size.
+JOINTS = ("human", "rain", "wedge", "joint_grid", "ball_and_chain", "bridge", "crane", "doors")
+LARGE_JOINTS = ("rain 20", "joint_grid 100")
 REFERENCE = Path(__file__).resolve().parent.parent / "data" / "chain_reference.txt"
 
 # (substeps, iterations); None = the engine's default, all None = the default row. The heap runs with
@@ -46,8 +51,16 @@ QUICK = {
 }
 
 
+def arguments_of(scene):
+    if scene not in JOINTS + LARGE_JOINTS:
+        return ["--scene", scene]
+    name, *size = scene.split()
+    words = ["--scene", name, *(["--size", *size] if size else [])]
+    return words if name == "joint_grid" else [*words, "--sleeping"]
+
+
 def settings_of(engine, scene, quick):
-    if engine in results.PEERS:
+    if engine in results.PEERS or scene in JOINTS + LARGE_JOINTS:
         return [DEFAULT]
     table = (QUICK if quick else FULL)["tandem" if engine == "tandem" else "bullet"]
     kind = scene if scene == "heap" else "large" if scene in LARGE else "small"
@@ -61,7 +74,7 @@ def label(setting):
 
 
 def run(binaries, engine, scene, setting, extra, limit):
-    command = [str(binaries / f"work_precision_{engine}"), "--scene", scene, "--json", *extra]
+    command = [str(binaries / f"work_precision_{engine}"), *arguments_of(scene), "--json", *extra]
     if setting == TWO_THREADS:
         command += ["--threads", "2"]
     else:
@@ -90,7 +103,9 @@ def main():
     parser.add_argument("--out", type=Path, required=True, help="folder for CSV and plots")
     parser.add_argument("--quick", action="store_true", help="ten minutes: fewer settings")
     parser.add_argument("--repeats", type=int, help="3 by default, 1 with --quick")
-    parser.add_argument("--scenes", nargs="*", default=[*SMALL, *LARGE], choices=[*SMALL, *LARGE])
+    parser.add_argument("--scenes", nargs="*", default=[*SMALL, *LARGE],
+                        choices=[*SMALL, *LARGE, *JOINTS, *LARGE_JOINTS])
+    parser.add_argument("--joints", action="store_true", help="the scenes of joints in place of those")
     parser.add_argument("--engines", nargs="*", default=list(results.NAMES),
                         choices=list(results.NAMES))
     parser.add_argument("--defaults-only", action="store_true", help="no other setting")
@@ -98,7 +113,10 @@ def main():
     parser.add_argument("--extra", nargs="*", default=[], help="passed on to Tandem's program")
     args = parser.parse_args()
     repeats = args.repeats or (1 if args.quick else 3)
+    if args.joints:
+        args.scenes = [*JOINTS, *LARGE_JOINTS]
     engines = [e for e in args.engines if (args.binaries / f"work_precision_{e}").exists()]
+    file = "joints.csv" if args.joints else "work_precision.csv"
     args.out.mkdir(parents=True, exist_ok=True)
 
     rows = []
@@ -114,12 +132,14 @@ def main():
                           args.extra if engine == "tandem" else [], args.limit)
                 if row:
                     rows.append({**row, "repeat": repeat})
-        results.write(args.out / "work_precision.csv", rows)
+        results.write(args.out / file, rows)
         print(f"{scene}: {len(cells)} settings, {time.monotonic() - begin:.0f} s since the start",
               flush=True)
     (args.out / "machine.json").write_text(json.dumps(machine.describe(args.binaries), indent=2))
+    if args.joints:
+        return 0
 
-    points = results.read(args.out / "work_precision.csv")
+    points = results.read(args.out / file)
     print()
     print("\n".join(must_hold.table(points)))
     try:
