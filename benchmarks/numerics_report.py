@@ -19,6 +19,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE / "work_precision"), str(HERE / "peers")]
 
 import everyday.report as everyday
+import joints
 import must_hold
 import pages
 import results as runs
@@ -226,8 +227,8 @@ def time_section(_):
 COMPARED = ("", "## What must hold", "## Error against run time", "## Beside Jolt, Box3D and PhysX",
             "## Where Tandem is worse")
 # The other sections in the page's order.
-SECTIONS = {"## The numerics set": numerics_set, everyday.HEADING: everyday.section, "## Kernels": kernels,
-            "## Where the time goes": time_section}
+SECTIONS = {"## The numerics set": numerics_set, everyday.HEADING: everyday.section,
+            joints.HEADING: joints.section, "## Kernels": kernels, "## Where the time goes": time_section}
 
 
 def draw(peers, results, docs):
