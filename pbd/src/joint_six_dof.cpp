@@ -14,90 +14,9 @@ constexpr double kSteepest = 2.0;
 /// Part of a step of a multiplier that is rounding.
 constexpr double kRounding = 1e-12;
 
-/// A hub's own rows, with the sign turned: its mass. One that is held, and an axis about which it
-/// does not turn, counts as a unit mass that no joint can reach.
-void put_hub(const JointSlot& slot, double* diagonal) {
-  Eigen::Map<Eigen::Matrix<double, 6, 6>> mass(diagonal);
-  mass.setIdentity();
-  if (slot.inv_mass == 0.0) return;
-  mass.topLeftCorner<3, 3>() = Mat3::Identity() / slot.inv_mass;
-  mass.bottomRightCorner<3, 3>() = inverse_where_free(slot.inv_inertia);
-  for (int i = 0; i < 3; ++i) {
-    if (slot.inv_inertia(i, i) == 0.0) mass(3 + i, 3 + i) = 1.0;
-  }
-}
-
-/// A joint's own rows.
-void put_diagonal(JointData& all, std::uint32_t k) {
-  const JointGraph::Node& plan = all.graph.nodes()[k];
-  const JointNode& node = all.nodes[k];
-  const JointRows& rows = all.rows[k];
-  double* diagonal = &all.values[plan.diagonal];
-  const auto is_hub = [&](std::uint32_t s) { return s == kNone || all.graph.hubs()[s] != 0; };
-  const bool with_a = !is_hub(plan.slot_a);
-  const bool with_b = !is_hub(plan.slot_b);
-  double inv_mass = 0.0;
-  if (with_a) inv_mass += all.slots[plan.slot_a].inv_mass;
-  if (with_b) inv_mass += all.slots[plan.slot_b].inv_mass;
-  for (int r = 0; r < node.n; ++r) {
-    const int i = rows.coordinate[r];
-    for (int s = 0; s <= r; ++s) {
-      const int j = rows.coordinate[s];
-      double sum = inv_mass * rows.dir.col(i).dot(rows.dir.col(j));
-      if (with_a) sum += rows.arm_a.col(i).dot(rows.b_a.col(j));
-      if (with_b) sum += rows.arm_b.col(i).dot(rows.b_b.col(j));
-      if (r == s) sum += node.at[r];
-      diagonal[r * node.n + s] = sum;
-      diagonal[s * node.n + r] = sum;
-    }
-  }
-}
-
-void couple_to_hub(JointData& all, const JointGraph::Link& link, bool hub_later) {
-  const JointSlot& slot = all.slots[link.slot];
-  if (slot.inv_mass == 0.0) return;
-  const std::uint32_t k = hub_later ? link.earlier : link.later;
-  const JointRows& joint = all.rows[k];
-  const int n = all.nodes[k].n;
-  const bool is_b = all.graph.nodes()[k].slot_b == link.slot;
-  const double sign = is_b ? 1.0 : -1.0;
-  const JointRows::Columns& arm = is_b ? joint.arm_b : joint.arm_a;
-  double* out = &all.values[link.block];
-  for (int r = 0; r < n; ++r) {
-    for (int i = 0; i < 3; ++i) {
-      const double linear = sign * joint.dir(i, joint.coordinate[r]);
-      const bool turns = slot.inv_inertia(i, i) > 0.0;
-      const double angular = turns ? sign * arm(i, joint.coordinate[r]) : 0.0;
-      out[hub_later ? i * n + r : r * 6 + i] += linear;
-      out[hub_later ? (i + 3) * n + r : r * 6 + i + 3] += angular;
-    }
-  }
-}
-
 /// How fast a coordinate changes.
 double rate_of(const JointRows& rows, int i, const SolverBody& a, const SolverBody& b) {
   return rows.dir.col(i).dot(b.v - a.v) + rows.arm_b.col(i).dot(b.w) - rows.arm_a.col(i).dot(a.w);
-}
-
-void couple_joints(JointData& all, const JointGraph::Link& link) {
-  const JointSlot& slot = all.slots[link.slot];
-  const JointRows& rows_x = all.rows[link.later];
-  const JointRows& rows_y = all.rows[link.earlier];
-  const bool x_is_b = all.graph.nodes()[link.later].slot_b == link.slot;
-  const bool y_is_b = all.graph.nodes()[link.earlier].slot_b == link.slot;
-  const double sign = x_is_b == y_is_b ? 1.0 : -1.0;
-  const JointRows::Columns& arm = x_is_b ? rows_x.arm_b : rows_x.arm_a;
-  const JointRows::Columns& b = y_is_b ? rows_y.b_b : rows_y.b_a;
-  const int n = all.nodes[link.earlier].n;
-  double* out = &all.values[link.block];
-  for (int r = 0; r < all.nodes[link.later].n; ++r) {
-    const int i = rows_x.coordinate[r];
-    for (int s = 0; s < n; ++s) {
-      const int j = rows_y.coordinate[s];
-      out[r * n + s] += sign * (slot.inv_mass * rows_x.dir.col(i).dot(rows_y.dir.col(j)) +
-                                arm.col(i).dot(b.col(j)));
-    }
-  }
 }
 
 }  // namespace
@@ -313,27 +232,6 @@ double supplied(const JointPart& part) {
     });
   });
   return sum / (part.ctx.h * part.ctx.h);
-}
-
-void assemble(const JointPart& part) {
-  JointData& all = part.all;
-  std::fill_n(all.values.begin() + part.plan.value, part.plan.value_count, 0.0);
-  part.for_nodes([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode&) {
-    if (plan.joint == kNone) {
-      put_hub(all.slots[plan.slot_b], &all.values[plan.diagonal]);
-    } else {
-      put_diagonal(all, k);
-    }
-  });
-  for (std::uint32_t l = part.plan.link; l < part.plan.link + part.plan.link_count; ++l) {
-    const JointGraph::Link& link = all.graph.links()[l];
-    const bool hub_later = all.graph.nodes()[link.later].joint == kNone;
-    if (hub_later || all.graph.nodes()[link.earlier].joint == kNone) {
-      couple_to_hub(all, link, hub_later);
-    } else {
-      couple_joints(all, link);
-    }
-  }
 }
 
 namespace {
