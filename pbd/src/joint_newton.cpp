@@ -233,6 +233,7 @@ double iterate(const JointPart& part) {
   }
   if (!progress.prepared) {
     prepare(part);
+    if (!part.plan.points && joint_six_dof::brake_as_before(part)) move_bodies(part);
   } else if (progress.position_iteration != part.ctx.iteration) {
     begin_iteration(part);
   }

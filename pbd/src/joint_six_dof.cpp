@@ -265,6 +265,15 @@ void gather_moves(const JointPart& part) {
   });
 }
 
+/// Of a row that brakes, what the joint's loads have had of it: its bound where that was all of it,
+/// else 0.
+double last_brake(const JointRecord& record, const JointRows& rows, int i, double h) {
+  const double last =
+      h * h * (i < 6 ? record.state.load[i] : record.state.torque.dot(rows.arm_b.col(i)));
+  const double bound = rows.law[i].motor_max * (1.0 - kRounding);
+  return bound > 0.0 && std::abs(last) >= bound ? std::copysign(rows.law[i].motor_max, last) : 0.0;
+}
+
 /// visit(node, plan, rows, r, step) for all rows.
 void for_rows(const JointPart& part, auto&& visit) {
   part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
@@ -309,6 +318,24 @@ void take_first_corner(const JointPart& part) {
 }
 
 }  // namespace
+
+bool brake_as_before(const JointPart& part) {
+  bool any = false;
+  part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
+    JointRows& rows = part.all.rows[k];
+    double* right = &part.all.right[plan.right];
+    node.n = 0;
+    for_bits(part.records[plan.joint].used, [&](int i) {
+      const double lambda = last_brake(part.records[plan.joint], rows, i, part.ctx.h);
+      if (lambda == 0.0) return;
+      rows.coordinate[node.n] = static_cast<std::uint8_t>(i);
+      right[node.n++] = node.lambda[i] = lambda;
+      any = true;
+    });
+  });
+  if (any) gather_moves(part);
+  return any;
+}
 
 bool gather(const JointPart& part) {
   bool whole = true;

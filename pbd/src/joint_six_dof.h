@@ -16,6 +16,10 @@ void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
                     const SolverBody& a, const SolverBody& b);
 /// Inverse inertia times gradients, and the mobility of each row by itself.
 void weigh(const JointPart& part);
+/// Multipliers of brakes that were overcome in the last substep begin at their bounds, and bodies
+/// are to move by them: found from 0 they stop at their bounds one after the other.
+/// @return whether there are any
+bool brake_as_before(const JointPart& part);
 /// Set the right-hand side.
 /// @return whether other rows than before have a part in it
 bool evaluate(const JointPart& part);
