@@ -115,9 +115,14 @@ void BodyBuffer::keep_inertias() {
   for (std::uint32_t i = 0; i < bodies_.size(); ++i) keep_inertia(i);
 }
 
-bool BodyBuffer::outdates_rows(std::uint32_t slot, const Vec3& moments) const {
-  const double turn = 2.0 * (inertias_[slot].q.conjugate() * bodies_[slot].q).vec().norm();
-  return staleness(turn, moments) > kStale;
+void BodyBuffer::renew_inertia(std::uint32_t slot, const BodyProps& props) {
+  SolverBody& body = bodies_[slot];
+  if (!body.projected || !body.pushed) return;
+  const double turn = 2.0 * (inertias_[slot].q.conjugate() * body.q).vec().norm();
+  body.reoriented = staleness(turn, props.principal.moments) > kStale;
+  if (!body.reoriented) return;
+  refresh_inertia(body, props);
+  keep_inertia(slot);
 }
 
 /// Rows give a torque, but for contacts without friction whose force goes through the centre.

@@ -38,9 +38,10 @@ class BodyBuffer {
   void restore_inertia(std::uint32_t slot) {
     bodies_[slot].inv_inertia_w = inertias_[slot].inverse;
   }
-  /// Whether the body has turned so far from the pose of its kept inertia that an impulse which
-  /// takes energy by that one may add energy by its own.
-  bool outdates_rows(std::uint32_t slot, const Vec3& moments) const;
+  /// Of a body that joints have turned: where it stands so far from the pose of its kept inertia
+  /// that an impulse which takes energy by that one may add energy by its own, its rows are to be
+  /// made anew.
+  void renew_inertia(std::uint32_t slot, const BodyProps& props);
   std::span<SolverBody> all() { return bodies_; }
   SolverBody& operator[](std::size_t slot) { return bodies_[slot]; }
   std::size_t size() const { return bodies_.size(); }

@@ -56,6 +56,16 @@ bool keeps_near(const SolverBody& body, const Pose& from, double way, double tur
   return own.turned.squaredNorm() <= turn * turn;
 }
 
+/// One more step. The mean speed is that of each `sleep_after` (s) by itself: what creeps on is
+/// slow all along, and does not stir now and then, whenever it has come far.
+void stay_slow(BodyActivity& own, double dt, double sleep_after) {
+  const double times = std::floor(own.low_speed_time / sleep_after);
+  own.low_speed_time += dt;
+  if (std::floor(own.low_speed_time / sleep_after) == times) return;
+  own.moved.setZero();
+  own.turned.setZero();
+}
+
 }  // namespace
 
 void Groups::arrange(const Rule& rule, const Islands& islands,
@@ -231,14 +241,7 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                        keeps_near(bodies[i], before[i].pose, way, turn, own) &&
                        (sprung_[i] == 0 || is_steady(i));
     if (rests) {
-      // Its mean speed is that of each such time by itself: what creeps on is slow all along, and
-      // does not stir now and then, whenever it has come far.
-      const double times = std::floor(own.low_speed_time / rule.sleep_after);
-      own.low_speed_time += dt;
-      if (std::floor(own.low_speed_time / rule.sleep_after) > times) {
-        own.moved.setZero();
-        own.turned.setZero();
-      }
+      stay_slow(own, dt, rule.sleep_after);
     } else {
       own.stir();
     }

@@ -45,9 +45,9 @@ class JointElimination {
 
   std::span<const JointGraph::Edge> edges_;
   std::vector<std::uint32_t> bodies_;
-  std::vector<std::vector<std::uint32_t>> joints_of_;  ///< by local body
-  std::vector<std::uint32_t> hub_of_;                  ///< by local body
-  std::vector<std::uint32_t> body_of_hub_;             ///< local
+  std::vector<std::vector<std::uint32_t>> joints_of_;   ///< by local body
+  std::vector<std::uint32_t> hub_of_;                   ///< by local body
+  std::vector<std::uint32_t> body_of_hub_;              ///< local
   std::vector<std::vector<std::uint32_t>> neighbours_;  ///< ascending
   std::vector<int> supports_;   ///< ends of a joint that answer to all its rows
   std::vector<int> hubs_left_;  ///< hubs of a joint that are not eliminated yet

@@ -55,7 +55,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   Groups::Rule group_rule() const;
   void list_parts();
   void project_joints();
-  void renew_inertias();
   /// How often joints and contacts take turns in a substep. Where contacts hit what joints hold,
   /// one turn leaves most of the blow to the substeps to come: a doll that falls on its feet
   /// from 1.2 m opens its joints by 9 cm in single turns and gains 142 of 1512 J in a step, in 8 by

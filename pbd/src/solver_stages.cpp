@@ -92,7 +92,11 @@ void Solver::Impl::begin_substep(int i) {
   context_.substep = i;
   context_.last = i + 1 == context_.substeps;
   context_.reverse = (i % 2) == 1;
-  if (projects_) renew_inertias();
+  if (projects_) {
+    for_group([&](SolverBody&, std::uint32_t slot) {
+      bodies_.renew_inertia(slot, world_->props_[slot]);
+    });
+  }
   for_blocks([&](ConstraintBlock& block) { block.begin_substep(context_); });
   clock_.stop(Stage::Begin);
 }
@@ -206,18 +210,6 @@ void Solver::Impl::end_step() {
 }
 
 // --- parts of stages ----------------------------------------------------------------------------
-
-/// Of bodies that joints have turned: their rows are made anew.
-void Solver::Impl::renew_inertias() {
-  for_group([&](SolverBody& body, std::uint32_t i) {
-    if (!body.projected || !body.pushed) return;
-    const BodyProps& props = world_->props_[i];
-    body.reoriented = bodies_.outdates_rows(i, props.principal.moments);
-    if (!body.reoriented) return;
-    refresh_inertia(body, props);
-    bodies_.keep_inertia(i);
-  });
-}
 
 void Solver::Impl::project_joints() {
   const double h = context_.h;
