@@ -68,8 +68,8 @@ void JointElimination::connect_all() {
     for (const std::uint32_t i : joints_of_[body]) {
       std::vector<std::uint32_t>& own = neighbours_[i];
       if (hub == kNone) {
-        std::ranges::copy_if(joints_of_[body], std::back_inserter(own),
-                             [i](std::uint32_t j) { return j != i; });
+        std::copy_if(joints_of_[body].begin(), joints_of_[body].end(), std::back_inserter(own),
+                     [i](std::uint32_t j) { return j != i; });
       } else {
         own.push_back(hub);
         neighbours_[hub].push_back(i);
@@ -77,7 +77,7 @@ void JointElimination::connect_all() {
     }
   }
   for (std::vector<std::uint32_t>& own : neighbours_) {
-    std::ranges::sort(own);
+    std::sort(own.begin(), own.end());
     own.erase(std::unique(own.begin(), own.end()), own.end());
   }
 }
@@ -105,7 +105,8 @@ bool JointElimination::run(std::size_t most) {
   std::size_t updates = 0;
   std::vector<std::uint32_t> merged;
   while (!queue.empty()) {
-    const auto [had, from, node] = queue.top();
+    const auto [had, from, next] = queue.top();
+    const std::uint32_t node = next;
     queue.pop();
     if (!queued[node] || had != degree[node] || from != since[node]) continue;
     queued[node] = false;
@@ -117,8 +118,9 @@ bool JointElimination::run(std::size_t most) {
     if (updates > most) return false;
     for (const std::uint32_t i : rest) {
       merged.clear();
-      std::ranges::set_union(neighbours_[i], rest, std::back_inserter(merged));
-      std::erase_if(merged, [&](std::uint32_t j) { return j == i || j == node; });
+      std::set_union(neighbours_[i].begin(), neighbours_[i].end(), rest.begin(), rest.end(),
+                     std::back_inserter(merged));
+      std::erase_if(merged, [i, node](std::uint32_t j) { return j == i || j == node; });
       neighbours_[i].swap(merged);
     }
     if (node >= edges_.size()) {
