@@ -56,8 +56,8 @@ bool keeps_near(const SolverBody& body, const Pose& from, double way, double tur
   return own.turned.squaredNorm() <= turn * turn;
 }
 
-/// One more step. The mean speed is that of each `sleep_after` (s) by itself: what creeps on is
-/// slow all along, and does not stir now and then, whenever it has come far.
+/// Counts a step of a body that is slow. Each `sleep_after` (s) has a mean speed of its own: a body
+/// that creeps on would else stir each time it has come far.
 void stay_slow(BodyActivity& own, double dt, double sleep_after) {
   const double times = std::floor(own.low_speed_time / sleep_after);
   own.low_speed_time += dt;

@@ -233,7 +233,10 @@ double iterate(const JointPart& part) {
   }
   if (!progress.prepared) {
     prepare(part);
-    if (!part.plan.points && joint_six_dof::brake_as_before(part)) move_bodies(part);
+    if (!part.plan.points && joint_six_dof::brake_as_before(part)) {
+      limit_turns(part);
+      move_bodies(part);
+    }
   } else if (progress.position_iteration != part.ctx.iteration) {
     begin_iteration(part);
   }

@@ -265,8 +265,7 @@ void gather_moves(const JointPart& part) {
   });
 }
 
-/// Of a row that brakes, what the joint's loads have had of it: its bound where that was all of it,
-/// else 0.
+/// Where a brake was overcome in the last substep, its bound with the sign of its load; else 0.
 double last_brake(const JointRecord& record, const JointRows& rows, int i, double h) {
   const double last =
       h * h * (i < 6 ? record.state.load[i] : record.state.torque.dot(rows.arm_b.col(i)));

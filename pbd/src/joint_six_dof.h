@@ -17,7 +17,7 @@ void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
 /// Inverse inertia times gradients, and the mobility of each row by itself.
 void weigh(const JointPart& part);
 /// Multipliers of brakes that were overcome in the last substep begin at their bounds, and bodies
-/// are to move by them: found from 0 they stop at their bounds one after the other.
+/// are to move by them: from 0 they come to their bounds one after the other, a solve for each.
 /// @return whether there are any
 bool brake_as_before(const JointPart& part);
 /// Set the right-hand side.

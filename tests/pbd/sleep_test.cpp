@@ -88,9 +88,9 @@ TEST_CASE("sleep: what trembles about a place rests, and what creeps does not", 
   CHECK(slider.state().position[0] == Approx(0.015).epsilon(1e-6));
 }
 
-TEST_CASE("sleep: what two of an island creep by is slow at any phase of it", "[pbd][sleep]") {
-  // Without friction, at 0.8 of what counts as rest: each has gone as far as that in 0.5 s every
-  // 0.625 s, the second one 0.3 s after the first.
+TEST_CASE("sleep: two bodies of an island that creep rest, whichever began first", "[pbd][sleep]") {
+  // Without friction, at 0.8 of the speed of rest: every 0.625 s each has gone as far as that speed
+  // goes in 0.5 s, the second one 0.3 s after the first.
   Mounted m(weightless(), kDefaults);
   const double speed = 0.8 * kDefaults.sleep_speed;
   const auto slider = [&](double x) {

@@ -115,9 +115,8 @@ TEST_CASE("ragdoll: a heap of eighteen loses energy", "[scene][invariant]") {
   }
 }
 
-// Limbs creep at a few mm/s for long. Whoever had crept far was taken for somebody who moves, so
-// that one of a heap always did: of twelve such heaps all were awake for ever, in these by 55 and
-// 77 bodies of 99.
+// Limbs creep at a few mm/s for long. One that had crept far counted as moving, so that some limb
+// of a heap always did: all of twelve such heaps stayed awake, these with 55 and 77 bodies of 99.
 TEST_CASE("ragdoll: a heap of nine falls asleep", "[scene][invariant]") {
   int awake = 0;
   for (const double seed : {3.24, 14.2}) {

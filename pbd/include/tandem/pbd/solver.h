@@ -20,10 +20,11 @@ struct TANDEM_API SolverOptions {
   int substeps = 4;
   /// Sweeps of the pass in each substep, 1 to 1000. More substeps are nearly always better.
   int position_iterations = 1;
-  /// Within each of them, joints and springs are swept until no row asks for more than the
-  /// tolerance (m) or will do so by the rate at which moves have shrunk, but this often at most:
-  /// their energy is kept only where they converge. With the default tolerance joints are a few
-  /// micrometres apart where nothing hits them; 1e-6 leaves a tenth of that.
+  /// Within each of them, sets of joints are solved until no body has to move by more than the
+  /// tolerance (m or rad), by the rate at which moves have shrunk, and rods and tethers until none
+  /// asks for more than a fiftieth of it, but this often at most: their energy is kept only where
+  /// they converge. With the default tolerance joints are a few micrometres apart where nothing
+  /// hits them; 1e-6 leaves a tenth of that.
   int joint_iterations = 20;
   double joint_tolerance = 5e-5;
   /// Sweeps over contact velocities in each substep, at most.
