@@ -39,12 +39,6 @@ void want_substeps(std::span<const JointRecord> records, const SubstepContext& c
   }
 }
 
-void clear_load(JointState& state) {
-  state.force.setZero();
-  state.torque.setZero();
-  state.load.fill(0.0);
-}
-
 /// A body as it stands before a step; for the invalid id, the world.
 SolverBody standing(const World& world, BodyId id) {
   SolverBody body;
@@ -256,13 +250,13 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       record.twist = record.twist_before;
       record.energy_excess = 0.0;
       record.displacement_residual.fill(0.0);
-      clear_load(state);
+      record.clear_forces();
       continue;
     }
     record.tell(body_a, c);
     state.residual = 0.0;
     if ((!record.active() && !record.broke) || !Impl::is_solved(record, ctx.bodies)) {
-      clear_load(state);
+      record.clear_forces();
     }
     if (!record.active()) continue;
     const bool left = Impl::is_pushed(record, ctx.bodies);

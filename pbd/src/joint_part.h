@@ -19,7 +19,10 @@ enum class JointChannel { Real, Displacement };
 /// What every node has.
 struct JointNode {
   int n = 0;
-  bool off = false;                             ///< broken in this step
+  bool off = false;  ///< broken in this step
+  /// Multipliers are those of the last substep: those at corners of their laws stay there, as where
+  /// its forces alone bring the bodies says little of the way on.
+  bool warm = false;
   Vec3 r_a = Vec3::Zero(), r_b = Vec3::Zero();  ///< m, world
   double pull_a = 0.0,
          pull_b = 0.0;  ///< N m s^2, how much the ends are pulled away from the centres

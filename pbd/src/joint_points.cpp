@@ -67,12 +67,38 @@ void begin(const JointPart& part) {
   });
 }
 
+void warm_start(const JointPart& part) {
+  part.for_nodes([&](std::uint32_t, const JointGraph::Node& plan, const JointNode& node) {
+    Eigen::Map<Vec3> right(&part.all.right[plan.right]);
+    right.setZero();
+    if (!node.off) right = part.ctx.h * part.ctx.h * part.records[plan.joint].state.force;
+  });
+  gather(part);
+}
+
 void take_gradients(const JointPart& part) {
   const SolverBody ground;
   part.for_joints([&](std::uint32_t, const JointGraph::Node& plan, JointNode& node) {
     const SixDofJointDef& def = part.records[plan.joint].def;
     node.r_a = rotate(body_of(def.a, part.ctx.bodies, ground).q, def.frame_a.anchor);
     node.r_b = rotate(body_of(def.b, part.ctx.bodies, ground).q, def.frame_b.anchor);
+  });
+}
+
+void weigh(const JointPart& part) {
+  const std::vector<JointSlot>& slots = part.all.slots;
+  part.for_joints([&](std::uint32_t, const JointGraph::Node& plan, JointNode& node) {
+    for (int i = 0; i < 3; ++i) {
+      double w = 0.0;
+      const auto add = [&](std::uint32_t slot, const Vec3& r) {
+        if (part.plan.regular || slot == JointGraph::kNone) return;
+        const Vec3 arm = r.cross(Vec3::Unit(i));
+        w += slots[slot].inv_mass + arm.dot(block::times(slots[slot].inv_inertia, arm));
+      };
+      add(plan.slot_a, node.r_a);
+      add(plan.slot_b, node.r_b);
+      node.at[i] = std::max(node.softness, part.progress.redundancy * w);
+    }
   });
 }
 
@@ -123,13 +149,7 @@ void assemble(const JointPart& part) {
       node.b_b = times_skew(slot.inv_inertia, node.r_b);
       add_skew_times(node.r_b, node.b_b, 1.0, diagonal);
     }
-    for (int i = 0; i < 3; ++i) {
-      double& pivot = diagonal[4 * i];
-      pivot += inv_mass;
-      node.at[i] = part.plan.regular ? node.softness
-                                     : std::max(node.softness, part.progress.redundancy * pivot);
-      pivot += node.at[i];
-    }
+    for (int i = 0; i < 3; ++i) diagonal[4 * i] += inv_mass + node.at[i];
   }
   for (std::uint32_t l = part.plan.link; l < part.plan.link + part.plan.link_count; ++l) {
     const JointGraph::Link& link = graph.links()[l];

@@ -10,6 +10,8 @@
 namespace tandem::pbd::joint_points {
 
 void begin(const JointPart& part);
+void warm_start(const JointPart& part);
+void weigh(const JointPart& part);
 void take_gradients(const JointPart& part);
 void evaluate(const JointPart& part);
 void assemble(const JointPart& part);

@@ -32,7 +32,7 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
      def.drive.friction, record.drive.start);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
      record.energy_excess, record.h, record.spring_mass);
-  io(state.position, state.swing, state.load, state.force, state.torque, state.residual,
+  io(state.position, state.swing, record.forces, state.force, state.torque, state.residual,
      state.broken);
 }
 
@@ -150,6 +150,13 @@ void all_coordinates(const JointRecord& record, const SolverBody& a, const Solve
   if ((record.used >> kDrive) != 0) driven = rotation_between(record.drive.start, rel);
 }
 
+void JointRecord::clear_forces() {
+  forces.fill(0.0);
+  state.load.fill(0.0);
+  state.force.setZero();
+  state.torque.setZero();
+}
+
 void JointRecord::tell(const SolverBody& a, const double* c) {
   std::copy_n(c, 6, state.position.begin());
   if (point) {
@@ -226,6 +233,7 @@ void JointRecord::load(ByteReader& in) {
   }
   if (def.drive.motor.mode > MotorMode::Position) in.fail();
   refresh();
+  std::copy_n(forces.begin(), state.load.size(), state.load.begin());
   bool finite = state.force.allFinite() && state.torque.allFinite();
   for (const double value :
        {twist, def.start, gap.least, energy_excess, h, state.swing, state.residual}) {
@@ -238,7 +246,7 @@ void JointRecord::load(ByteReader& in) {
   check(state.position);
   check(spring_mass);
   check(drive.start.coeffs());
-  check(state.load);
+  check(forces);
   if (!finite || h < 0.0 || gap.least < 0.0) in.fail();
 }
 

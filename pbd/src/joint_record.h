@@ -27,7 +27,9 @@ struct JointRecord {
   /// What agreement and later rows left of each coordinate.
   std::array<double, kCoordinates> displacement_residual{};
   std::array<double, kCoordinates> bound{};  ///< where the displacement channel holds it
-  double twist = 0.0;                        ///< rad, about axis `turning`, counting turns
+  /// N or N m, of each coordinate's row in the last substep, on body b.
+  std::array<double, kCoordinates> forces{};
+  double twist = 0.0;  ///< rad, about axis `turning`, counting turns
   /// kg or kg m^2, of each coordinate whose spring has a frequency; see weigh_springs().
   std::array<double, kCoordinates> spring_mass{};
   JointGap gap;  ///< of its displacement_residual
@@ -53,6 +55,8 @@ struct JointRecord {
   /// The coordinate of turns about `turning` (0), and of the axes that follow it (1, 2).
   int turn(int i) const { return kTwist + (turning + i) % 3; }
   const JointAxis& turning_axis() const { return def.angular[static_cast<std::size_t>(turning)]; }
+  /// It has none in this step.
+  void clear_forces();
   /// All coordinates into the state.
   void tell(const SolverBody& a, const double* c);
   /// The bodies of a joint that is new stand like that: it takes the turn within its limits.

@@ -116,6 +116,21 @@ struct ForceLaw {
   double motor_target = 0.0;
   bool powered = false;  ///< the motor or spring can do work
 
+  /// Whether a multiplier alone does not tell the piece: it is at the bound of a motor or brake, or
+  /// a limit has none.
+  bool is_corner(double lambda) const {
+    return !locked && spring_k == 0.0 && std::abs(lambda) == motor_max;
+  }
+  /// The multiplier on the graph that is nearest to one of another substep; corners, which its
+  /// length may have rounded, are hit.
+  double nearest(double lambda) const {
+    constexpr double kRounding = 1e-12;  // of the multiplier
+    if (locked || spring_k > 0.0) return lambda;
+    const double size = std::abs(lambda);
+    const bool beyond = limited && size > motor_max * (1.0 + kRounding);
+    return beyond || size < motor_max * (1.0 - kRounding) ? lambda
+                                                          : std::copysign(motor_max, lambda);
+  }
   /// The piece of the graph that lambda lies on; at a corner, the one that leads towards c.
   Segment segment(double c, double lambda) const {
     using Kind = Segment::Kind;

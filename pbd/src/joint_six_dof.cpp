@@ -11,9 +11,6 @@ constexpr std::uint32_t kNone = JointGraph::kNone;
 /// Of the gradient of an angle. Twist and swing have none where the swing is half a turn: what is
 /// left of a torque there is a torque that turns bodies by a fraction of what it says.
 constexpr double kSteepest = 2.0;
-/// Part of a step of a multiplier that is rounding.
-constexpr double kRounding = 1e-12;
-
 /// How fast a coordinate changes.
 double rate_of(const JointRows& rows, int i, const SolverBody& a, const SolverBody& b) {
   return rows.dir.col(i).dot(b.v - a.v) + rows.arm_b.col(i).dot(b.w) - rows.arm_a.col(i).dot(a.w);
@@ -80,6 +77,7 @@ void begin(const JointPart& part) {
     const Displaced displaced(a, b);
     JointRows& rows = part.all.rows[k];
     node.lambda.fill(0.0);
+    node.warm = false;
     node.lambda_start.fill(0.0);
     rows.stops = 0;
     double c[kCoordinates];
@@ -200,6 +198,7 @@ bool evaluate(const JointPart& part) {
     int n = 0;
     for_bits(record.used, [&](int i) {
       using Kind = Segment::Kind;
+      if (node.warm && rows.law[i].is_corner(node.lambda[i])) return;
       Segment segment = rows.law[i].segment(c[i], node.lambda[i]);
       if (segment.kind == Kind::Lower || segment.kind == Kind::Upper) rows.stops |= 1u << i;
       if (segment.kind == Kind::None || (segment.kind != Kind::Lock && !(rows.w[i] > 0.0))) return;
@@ -215,6 +214,7 @@ bool evaluate(const JointPart& part) {
     });
     changed = changed || n != node.n;
     node.n = n;
+    node.warm = false;
   });
   return changed;
 }
@@ -265,14 +265,6 @@ void gather_moves(const JointPart& part) {
   });
 }
 
-/// Where a brake was overcome in the last substep, its bound with the sign of its load; else 0.
-double last_brake(const JointRecord& record, const JointRows& rows, int i, double h) {
-  const double last =
-      h * h * (i < 6 ? record.state.load[i] : record.state.torque.dot(rows.arm_b.col(i)));
-  const double bound = rows.law[i].motor_max * (1.0 - kRounding);
-  return bound > 0.0 && std::abs(last) >= bound ? std::copysign(rows.law[i].motor_max, last) : 0.0;
-}
-
 /// visit(node, plan, rows, r, step) for all rows.
 void for_rows(const JointPart& part, auto&& visit) {
   part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
@@ -318,22 +310,21 @@ void take_first_corner(const JointPart& part) {
 
 }  // namespace
 
-bool brake_as_before(const JointPart& part) {
-  bool any = false;
+void warm_start(const JointPart& part, bool brakes_only) {
+  const double h2 = part.ctx.h * part.ctx.h;
   part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
     JointRows& rows = part.all.rows[k];
     double* right = &part.all.right[plan.right];
     node.n = 0;
     for_bits(part.records[plan.joint].used, [&](int i) {
-      const double lambda = last_brake(part.records[plan.joint], rows, i, part.ctx.h);
-      if (lambda == 0.0) return;
+      const double lambda = rows.law[i].nearest(h2 * part.records[plan.joint].forces[i]);
+      if (lambda == 0.0 || (brakes_only && !rows.law[i].is_corner(lambda))) return;
       rows.coordinate[node.n] = static_cast<std::uint8_t>(i);
       right[node.n++] = node.lambda[i] = lambda;
-      any = true;
     });
+    node.warm = node.n > 0 && part.plan.regular;
   });
-  if (any) gather_moves(part);
-  return any;
+  gather_moves(part);
 }
 
 bool gather(const JointPart& part) {

@@ -16,10 +16,9 @@ void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
                     const SolverBody& a, const SolverBody& b);
 /// Inverse inertia times gradients, and the mobility of each row by itself.
 void weigh(const JointPart& part);
-/// Multipliers of brakes that were overcome in the last substep begin at their bounds, and bodies
-/// are to move by them: from 0 they come to their bounds one after the other, a solve for each.
-/// @return whether there are any
-bool brake_as_before(const JointPart& part);
+/// Multipliers, or only those of brakes that were overcome, begin as the last substep left them;
+/// slots have the moves that belong to them.
+void warm_start(const JointPart& part, bool brakes_only);
 /// Set the right-hand side.
 /// @return whether other rows than before have a part in it
 bool evaluate(const JointPart& part);

@@ -187,11 +187,11 @@ void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
   part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode& node) {
     JointRecord& record = records[plan.joint];
     JointState& state = record.state;
-    state.torque.setZero();
-    state.load.fill(0.0);
+    record.clear_forces();
     state.force = inverse_h2 * part.impulse(k, record.used);
     for_bits(record.used, [&](int i) {
       const double load = inverse_h2 * node.lambda[i];
+      record.forces[i] = load;
       if (i < 6) state.load[i] = load;
       if (i >= 3) state.torque += load * data_.rows[k].arm_b.col(i);
     });
