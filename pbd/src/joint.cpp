@@ -16,7 +16,7 @@ namespace {
 /// rad, how far the bodies of a joint may turn against each other in a substep.
 constexpr double kTurn = 0.07;
 /// Steps that spin is looked ahead, as if it went on to change as it did in the last one: a chain
-/// that whips has its substeps before it needs them.
+/// that whips has its substeps before it needs them. What a contact has changed does not go on.
 constexpr double kAhead = 2.0;
 
 /// rad/s, of b against a.
@@ -25,14 +25,22 @@ Vec3 relative_spin(const SixDofJointDef& def, std::span<const SolverBody> bodies
   return def.a.valid() ? Vec3(w_b - bodies[def.a.index].w) : w_b;
 }
 
+/// Whether rows that are solved later have moved one of its ends in this step.
+bool is_pushed(const JointRecord& record, std::span<const SolverBody> bodies) {
+  const auto pushed = [&](BodyId id) { return id.valid() && bodies[id.index].is_pushed(); };
+  return pushed(record.def.a) || pushed(record.def.b);
+}
+
 /// See end_step().
 void want_substeps(std::span<const JointRecord> records, const SubstepContext& ctx,
                    std::span<double> wanted) {
   for (const JointRecord& record : records) {
     if (!record.active()) continue;
     const Vec3 spin = relative_spin(record.def, ctx.bodies);
-    const Vec3 soon = spin + kAhead * (spin - record.spin);
-    const double most = ctx.h / kTurn * std::max(spin.norm(), soon.norm());
+    double fastest = spin.norm();
+    if (!is_pushed(record, ctx.bodies))
+      fastest = std::max(fastest, (spin + kAhead * (spin - record.spin)).norm());
+    const double most = ctx.h / kTurn * fastest;
     for (const BodyId body : {record.def.a, record.def.b}) {
       if (body.valid()) wanted[body.index] = std::max(wanted[body.index], most);
     }
@@ -259,7 +267,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       record.clear_forces();
     }
     if (!record.active()) continue;
-    const bool left = Impl::is_pushed(record, ctx.bodies);
+    const bool left = is_pushed(record, ctx.bodies);
     const bool held = Displaced(body_a, ctx.bodies[record.def.b.index]).held;
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);

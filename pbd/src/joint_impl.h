@@ -103,12 +103,6 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
                                 bodies[def.b.index].inv_mass > 0.0);
   }
 
-  /// Whether rows that are solved later have moved one of its ends in this step.
-  static bool is_pushed(const JointRecord& record, std::span<const SolverBody> bodies) {
-    const auto pushed = [&](BodyId id) { return id.valid() && bodies[id.index].is_pushed(); };
-    return pushed(record.def.a) || pushed(record.def.b);
-  }
-
   void note_change(const JointRecord& record) {
     if (record.def.a.valid()) changed.push_back(record.def.a.index);
     changed.push_back(record.def.b.index);
