@@ -61,6 +61,21 @@ void check_spring(const auto& spring, const JointField& field) {
 
 bool is_unit(const Quat& q) { return std::abs(q.norm() - 1.0) <= 1e-3; }
 
+void check_servo(const JointMotor& motor, const JointField& field) {
+  check_at_least_0(motor.stiffness, field / "motor.stiffness");
+  check_at_least_0(motor.damping, field / "motor.damping");
+  if (!motor.is_servo()) return;
+  if (motor.mode == MotorMode::Velocity) {
+    demand(motor.stiffness == 0.0, field / "motor.stiffness", motor.stiffness,
+           "0 of a servo to a speed");
+  } else {
+    demand(motor.stiffness > 0.0, field / "motor.stiffness", motor.stiffness,
+           "> 0 of a servo to a position");
+  }
+  demand(motor.max_speed == kUnlimited, field / "motor.max_speed", motor.max_speed,
+         "infinite of a servo");
+}
+
 void check_axis(const JointAxis& axis, const JointField& field) {
   check_compliance(axis.compliance, field / "compliance");
   check_at_least_0(axis.damping, field / "damping");
@@ -76,6 +91,7 @@ void check_axis(const JointAxis& axis, const JointField& field) {
   demand(std::isfinite(axis.motor.target), field / "motor.target", axis.motor.target, "finite");
   demand(axis.motor.max_force > 0.0, field / "motor.max_force", axis.motor.max_force, "> 0");
   demand(axis.motor.max_speed > 0.0, field / "motor.max_speed", axis.motor.max_speed, "> 0");
+  check_servo(axis.motor, field);
   if (axis.freedom == Freedom::Limited) {
     demand(axis.lower < kUnlimited, field / "lower", axis.lower, "a number below infinity");
     demand(axis.upper > -kUnlimited, field / "upper", axis.upper, "a number above -infinity");

@@ -17,13 +17,19 @@ bool motor_runs(const JointRecord& record, int c) {
   const double upper = limited ? axis.upper : kUnlimited;
   const double at = record.state.position[static_cast<std::size_t>(c)];
   if (motor.mode == MotorMode::Off) return false;
+  // A servo rests where it does, as a spring: it need not have arrived.
+  if (motor.mode == MotorMode::Position && motor.stiffness > 0.0) return false;
   if (motor.mode == MotorMode::Velocity) {
     if (motor.target == 0.0) return false;
     if (motor.target > 0.0 ? at >= upper - kArrived : at <= lower + kArrived) return false;
   } else if (std::abs(at - std::clamp(motor.target, lower, upper)) <= kArrived) {
     return false;
   }
-  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kFull * motor.max_force);
+  // What it pulls with where nothing moves.
+  const double most = motor.is_servo()
+                          ? std::min(motor.max_force, motor.damping * std::abs(motor.target))
+                          : motor.max_force;
+  return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kFull * most);
 }
 
 /// Whether the motor of a ball moves the joint on.

@@ -16,7 +16,7 @@ void axis_fields(auto& io, auto& axis) {
   io(axis.freedom, axis.motor.mode, axis.lower, axis.upper, axis.compliance, axis.damping,
      axis.spring.stiffness, axis.spring.rest, axis.spring.damping, axis.spring.frequency,
      axis.spring.damping_ratio, axis.friction, axis.motor.target, axis.motor.max_force,
-     axis.motor.max_speed);
+     axis.motor.max_speed, axis.motor.stiffness, axis.motor.damping);
 }
 
 void record_fields(auto& io, auto& record, auto& def, auto& state) {

@@ -206,6 +206,7 @@ bool evaluate(const JointPart& part) {
         segment.at = std::max(segment.at, part.progress.redundancy * rows.w[i]);
       changed =
           changed || n >= node.n || rows.coordinate[n] != i || rows.segment[n].kind != segment.kind;
+      if (rows.law[i].servo_k > 0.0) changed = changed || rows.segment[n].at != segment.at;
       rows.coordinate[n] = static_cast<std::uint8_t>(i);
       rows.segment[n] = segment;
       node.at[n] = segment.at;

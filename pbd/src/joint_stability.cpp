@@ -49,8 +49,9 @@ bool takes_energy(const JointPart& part) {
   part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode&) {
     const JointRows& rows = part.all.rows[k];
     takes = takes || rows.stops != 0;
-    for_bits(part.records[plan.joint].used,
-             [&](int i) { takes = takes || rows.law[i].motor_max > 0.0; });
+    for_bits(part.records[plan.joint].used, [&](int i) {
+      takes = takes || rows.law[i].motor_max > 0.0 || rows.law[i].servo_k > 0.0;
+    });
   });
   return takes;
 }

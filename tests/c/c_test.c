@@ -123,6 +123,13 @@ static void hinge_with_a_motor_turns(void) {
   CHECK(tandem_joint_position(world, joint, &angle, &broken, NULL) == TANDEM_OK);
   CHECK(fabs(angle - 1.0) < 0.02);
   CHECK(broken == 0);
+  // Critical: 100 rad/s by its inertia; it is there after a second.
+  const double inertia = 0.4 * 0.5;
+  CHECK(tandem_joint_set_servo(world, joint, TANDEM_MOTOR_POSITION, 0.3, 100.0 * inertia,
+                               20.0 * inertia, 50.0, NULL) == TANDEM_OK);
+  for (int i = 0; i < 120; ++i) tandem_world_step(world, kStep, NULL, NULL);
+  CHECK(tandem_joint_position(world, joint, &angle, &broken, NULL) == TANDEM_OK);
+  CHECK(fabs(angle - 0.3) < 1e-3);
   tandem_world_destroy(world);
 }
 

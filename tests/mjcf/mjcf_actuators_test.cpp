@@ -48,8 +48,15 @@ TEST_CASE("mjcf: motors push alike everywhere", "[mjcf]") {
   CHECK(x(file, "b1") == Approx(0.5 * 2.0 / 2.0).epsilon(5e-3));
   CHECK(x(file, "b2") == Approx(0.5 * 2.0 / 2.0).epsilon(5e-3));
   CHECK(x(file, "b3") == Approx(0.5 * 11.0 / 2.0).epsilon(5e-3));
-  CHECK(is_told(model(carts(1, "frictionloss='1'", "<motor joint='j0'/>")),
-                "joint j0: it has no dry friction while"));
+  // Against dry friction: 4 N less 1 N, and 0.5 N, which move nothing.
+  SceneFile dry = model(
+      carts(2, "frictionloss='1'", "<motor name='m' joint='j0'/><motor name='n' joint='j1'/>"));
+  CHECK(dry.warnings.empty());
+  dry.set_control("m", 4.0);
+  dry.set_control("n", 0.5);
+  run(dry, 1.0);
+  CHECK(x(dry, "b0") == Approx(0.5 * 3.0 / 2.0).epsilon(5e-3));
+  CHECK(std::abs(x(dry, "b1")) < 1e-6);
   // A servo so weak that it is a push: 4 N less 2e-4 N for each metre.
   SceneFile weak = model(carts(1, "",
                                "<general joint='j0' gainprm='1' biastype='affine' "
@@ -129,6 +136,7 @@ TEST_CASE("mjcf: other actuators are told, once for all of a kind", "[mjcf]") {
       "<actuator><motor name='one' joint='b'/><motor name='two' site='s'/>"
       "<general name='three' joint='j' biastype='affine' biasprm='0 1 0'/>"
       "<position name='four' joint='j' forcelimited='true' forcerange='-1 1'/>"
+      "<velocity name='eight' joint='j' forcelimited='true' forcerange='-1 2'/>"
       "<damper name='five' joint='j' ctrlrange='0 1'/>"
       "<general name='six' joint='j' dyntype='filter'/>"
       "<intvelocity name='seven' joint='j' kp='1' actrange='-1 1'/></actuator>");
@@ -136,8 +144,8 @@ TEST_CASE("mjcf: other actuators are told, once for all of a kind", "[mjcf]") {
   CHECK(is_told(file, "actuator two: it acts on no joint"));
   CHECK(is_told(file, "actuator five, six, seven: its force is not affine"));
   CHECK(is_told(file, "actuator three: its stiffness or damping is negative"));
-  CHECK(is_told(file, "actuator four: forcerange is not kept"));
-  REQUIRE(file.actuators.size() == 1);
+  CHECK(is_told(file, "actuator four, eight: forcerange is not kept where several"));
+  REQUIRE(file.actuators.size() == 2);
   CHECK(file.actuators[0].name == "four");
 }
 
@@ -158,45 +166,96 @@ TEST_CASE("mjcf: controls that cannot be are refused", "[mjcf][errors]") {
   CHECK_FALSE(refusal([&] { file.set_control("m", 1.0); }).empty());
 }
 
-TEST_CASE("mjcf: arms of position servos come to the pose that MuJoCo's come to", "[mjcf]") {
-  pbd::SplitMix64 random(2026);
-  const auto number = [&](double low, double high) {
-    return std::to_string(random.uniform(low, high)) + ' ';
-  };
-  for (int draw = 0; draw < 10; ++draw) {
-    CAPTURE(draw);
-    const int links = 2 + static_cast<int>(random.below(4));
-    std::string text = "<mujoco><compiler angle='radian'/><worldbody>";
+TEST_CASE("mjcf: a servo pulls with its forcerange at most", "[mjcf]") {
+  // 2 kg beside a spring of 10 N/m and dry friction; gear 2 makes 8 N of 4, from 1.6 m away on.
+  SceneFile file = model(carts(3, "stiffness='10' damping='10' frictionloss='.5'",
+                               "<position name='p' joint='j0' kp='100' gear='2' forcelimited='true'"
+                               " forcerange='-4 4'/>"
+                               "<velocity name='v' joint='j1' kv='8' forcelimited='true'"
+                               " forcerange='-6 6' ctrllimited='true' ctrlrange='-2 2'/>"
+                               "<position name='w' joint='j2' kp='20' forcelimited='true'"
+                               " forcerange='-1 3'/>"));
+  CHECK(is_told(file, "actuator w: the larger bound of forcerange is kept either way"));
+  REQUIRE(file.actuators.size() == 3);
+  CHECK(file.actuators[0].max_force == 8.0);
+  file.set_control("p", 3.0);
+  file.set_control("v", 5.0);
+  CHECK(file.actuators[1].control == 2.0);
+  run(file, 12.0);
+  CHECK(x(file, "b0") == Approx((8.0 - 0.5) / 10.0).epsilon(1e-2));
+  CHECK(x(file, "b1") == Approx((6.0 - 0.5) / 10.0).epsilon(1e-2));
+  // It is written with its bound.
+  SceneFile again = parse_scene(write_scene(file));
+  const pbd::JointMotor& motor = again.scene.joints().def(again.find_joint("j0")).linear[0].motor;
+  CHECK(motor.max_force == 8.0);
+  CHECK(motor.stiffness == Approx(400.0));
+}
+
+/// A chain of hinges about any axes, each with a position servo.
+struct Arm {
+  int links;
+  std::string text;
+  /// @param bound  N m, of each servo's joint; 0: none
+  Arm(pbd::SplitMix64& random, double bound) {
+    const auto number = [&](double low, double high) {
+      return std::to_string(random.uniform(low, high)) + ' ';
+    };
+    links = 2 + static_cast<int>(random.below(4));
+    text = "<mujoco><compiler angle='radian'/><worldbody>";
     std::string actuators;
     for (int i = 0; i < links; ++i) {
       const std::string n = std::to_string(i);
       text += std::string("<body name='b") + n + "' pos='" + (i == 0 ? "0" : ".3") +
-              " 0 0' euler='" + number(-1, 1) + number(-1, 1) + number(-1, 1) + "'><joint name='j" +
-              n + "' axis='" + number(-1, 1) + number(-1, 1) + "1' damping='3' ref='" +
-              number(-0.3, 0.3) + "'/><geom type='capsule' size='.04' fromto='0 0 0 .3 0 0'/>";
+              " 0 0' euler='" + number(-1, 1);
+      text += number(-1, 1);
+      text += number(-1, 1);
+      text += "'><joint name='j" + n + "' axis='" + number(-1, 1);
+      text += number(-1, 1);
+      text += std::string("1' damping='3' ref='") + number(-0.3, 0.3) +
+              "'/><geom type='capsule' size='.04' fromto='0 0 0 .3 0 0'/>";
       actuators += std::string("<position name='a") + n + "' joint='j" + n + "' gear='2' kp='" +
-                   number(8.0, 20.0) + "'/>";
+                   number(8.0, 20.0) + "'";
+      if (bound > 0.0) {
+        const std::string most = std::to_string(0.5 * random.uniform(0.2, 1.0) * bound);
+        actuators += std::string(" forcelimited='true' forcerange='-") + most + " " + most + "'";
+      }
+      actuators += "/>";
     }
     for (int i = 0; i < links; ++i) text += "</body>";
     text += "</worldbody><actuator>" + actuators + "</actuator></mujoco>";
-    SceneFile file = parse_mjcf(text);
+  }
+};
+
+TEST_CASE("mjcf: arms of position servos come to the pose that MuJoCo's come to", "[mjcf]") {
+  pbd::SplitMix64 random(2026);
+  const bool bounded = GENERATE(false, true);
+  int at_bound = 0;
+  for (int draw = 0; draw < 20; ++draw) {
+    CAPTURE(bounded, draw);
+    const Arm arm(random, bounded ? 12.0 : 0.0);
+    SceneFile file = parse_mjcf(arm.text);
     CHECK(file.warnings.empty());
-    Mujoco reference(text, 1e-3);
-    for (int i = 0; i < links; ++i) {
+    Mujoco reference(arm.text, 1e-3);
+    for (int i = 0; i < arm.links; ++i) {
       const double control = random.uniform(-1.0, 1.0);
       file.set_control(static_cast<std::size_t>(i), control);
       reference.data().ctrl[i] = control;
     }
     run(file, 2.0);
     reference.run(2.0);
-    for (int i = 0; i < links; ++i) {
+    double farthest = 0.0;
+    for (int i = 0; i < arm.links; ++i) {
       CAPTURE(i);
-      const double angle =
-          file.scene.joints().hinge_angle(file.find_joint(std::string("j") + std::to_string(i)));
+      const std::string joint = 'j' + std::to_string(i);
+      const double angle = file.scene.joints().hinge_angle(file.find_joint(joint));
       CHECK(std::abs(angle - reference.moved(i)) < std::numbers::pi / 180.0);
-      CHECK(std::abs(reference.moved(i)) > 1e-3);
+      farthest = std::max(farthest, std::abs(reference.moved(i)));
+      const double most = reference.model().actuator_forcerange[2 * i + 1];
+      if (bounded && std::abs(reference.data().actuator_force[i]) > 0.999 * most) ++at_bound;
     }
+    CHECK(farthest > 0.1);
   }
+  if (bounded) CHECK(at_bound >= 10);
 }
 
 }  // namespace

@@ -50,11 +50,10 @@ class RandomTree {
     if (sometimes()) put(name, number(low, high));
   }
 
-  /// Constant forces take the place of dry friction.
-  void actuator(const std::string& joint, bool dry) {
+  void actuator(const std::string& joint) {
     constexpr const char* kKinds[] = {"position kp='1'", "velocity kv='.4'", "motor"};
     const std::string gear = number(-1.5, 1.5);
-    const std::uint64_t kind = random_.below(dry ? 1 : 3);
+    const std::uint64_t kind = random_.below(3);
     actuators_ += std::string("<") + kKinds[kind] + " joint='j" + joint + "' gear='" + gear + "'/>";
     // N m of a motor: more would turn a light body at 200 rad/s.
     controls.push_back((kind == 2 ? 0.05 : 1.0) * random_.uniform(-1.0, 1.0));
@@ -69,12 +68,11 @@ class RandomTree {
     put("pos", anchor_);
     put("axis", axis);
     put_sometimes("damping", 0.0, 0.5);
-    const bool dry = sometimes();
-    if (dry) put("frictionloss", number(0.0, 1.0));
+    put_sometimes("frictionloss", 0.0, 1.0);
     put_sometimes("stiffness", 0.0, 5.0);
     if (rotor) put_sometimes("armature", 0.0, 0.1);
     if (type != 2) {
-      if (sometimes()) actuator(name, dry);
+      if (sometimes()) actuator(name);
       put_sometimes("ref", -1.0, 1.0);
       put_sometimes("springref", -1.0, 1.0);
       if (sometimes()) text += " limited='true' range='-20 20'";

@@ -158,6 +158,9 @@ def test_joints_hold_limit_drive_and_break():
     slider.set_motor(target=0.2)
     scene.step(1 / 60, 120)
     assert slider.displacement == pytest.approx(0.2, abs=1e-3)
+    slider.set_motor(target=0.4, stiffness=100.0 * box.mass, damping=20.0 * box.mass, max_force=1e3)
+    scene.step(1 / 60, 120)
+    assert slider.displacement == pytest.approx(0.4, abs=1e-3)
     with pytest.raises(ValueError, match="hinge"):
         slider.angle
     with pytest.raises(ValueError, match="target"):

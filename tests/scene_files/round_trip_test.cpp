@@ -105,6 +105,11 @@ Scene heap() {
   auto slider = pbd::slider_joint_at(world, bodies[1], bodies[15], at(1), Vec3::UnitZ());
   slider.axis = {.freedom = pbd::Freedom::Limited, .lower = -0.2, .upper = pbd::kUnlimited};
   slider.axis.spring = {.stiffness = 100.0, .rest = 0.1, .damping = 1.0};
+  slider.axis.motor = {.mode = pbd::MotorMode::Position,
+                       .target = -0.1,
+                       .max_force = 4.0,
+                       .stiffness = 60.0,
+                       .damping = 2.0};
   scene.add_joint(slider);
   auto fixed = pbd::fixed_joint_at(world, bodies[2], bodies[16], at(2));
   fixed.compliance = 1e-4;

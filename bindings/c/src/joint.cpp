@@ -108,13 +108,22 @@ tandem_result tandem_joint_remove(tandem_world* world, tandem_joint joint, tande
 tandem_result tandem_joint_set_motor(tandem_world* world, tandem_joint joint,
                                      tandem_motor_mode mode, double target, double max_force,
                                      tandem_error* error) {
+  return tandem_joint_set_servo(world, joint, mode, target, 0.0, 0.0, max_force, error);
+}
+
+tandem_result tandem_joint_set_servo(tandem_world* world, tandem_joint joint,
+                                     tandem_motor_mode mode, double target, double stiffness,
+                                     double damping, double max_force, tandem_error* error) {
   return guarded(error, [&] {
     tandem_world& w = required(world, "world");
     pbd::SixDofJointDef def = w.joints.def(from_c(joint));
     const int axis = free_axis(def);
     if (axis < 0) pbd::detail::refuse("joint", "a hinge or a slider");
     const auto k = static_cast<std::size_t>(axis % 3);
-    (axis < 3 ? def.linear[k] : def.angular[k]).motor = motor_of(mode, target, max_force);
+    pbd::JointMotor& motor = (axis < 3 ? def.linear[k] : def.angular[k]).motor;
+    motor = motor_of(mode, target, max_force);
+    motor.stiffness = stiffness;
+    motor.damping = damping;
     w.joints.set(w.world, from_c(joint), def);
   });
 }

@@ -71,7 +71,7 @@ pbd::JointAxis& free_axis(pbd::SixDofJointDef& def) {
 }
 
 void set_motor(const Joint& joint, std::optional<double> speed, std::optional<double> target,
-               double max_force) {
+               double max_force, double stiffness, double damping) {
   if (speed && target) pbd::detail::refuse("set_motor: target", "None where there is a speed");
   pbd::SixDofJointDef def = joint.block().def(joint.id);
   pbd::JointMotor& motor = free_axis(def).motor;
@@ -79,7 +79,9 @@ void set_motor(const Joint& joint, std::optional<double> speed, std::optional<do
                    : target ? pbd::MotorMode::Position
                             : pbd::MotorMode::Off,
            .target = speed.value_or(target.value_or(0.0)),
-           .max_force = max_force};
+           .max_force = max_force,
+           .stiffness = stiffness,
+           .damping = damping};
   joint.block().set(joint.core->scene().world(), joint.id, def);
 }
 
@@ -115,8 +117,10 @@ void bind_handle(py::module_& m) {
           [](const Joint& j, bool value) { j.block().set_enabled(j.id, value); })
       .def("set_motor", &set_motor, py::kw_only(), py::arg("speed") = py::none(),
            py::arg("target") = py::none(), py::arg("max_force") = pbd::kUnlimited,
+           py::arg("stiffness") = 0.0, py::arg("damping") = 0.0,
            "Drive a hinge or slider at a speed or to a target (rad/s, rad, N m; m/s, m, N); "
-           "neither: off.")
+           "neither: off. With stiffness or damping it is a spring and damper whose force is at "
+           "most max_force.")
       .def(
           "remove", [](const Joint& j) { j.block().remove(j.id); }, "From its scene, at once.");
 }

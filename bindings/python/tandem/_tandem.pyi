@@ -104,7 +104,13 @@ class Joint:
     @enabled.setter
     def enabled(self, value: bool) -> None: ...
     def set_motor(
-        self, *, speed: float | None = ..., target: float | None = ..., max_force: float = ...
+        self,
+        *,
+        speed: float | None = ...,
+        target: float | None = ...,
+        max_force: float = ...,
+        stiffness: float = ...,
+        damping: float = ...,
     ) -> None: ...
     def remove(self) -> None: ...
 

@@ -283,6 +283,11 @@ export class World {
     borrow((a) => check(c.tandem_joint_set_motor(this.at, put(a, layouts.handle, joint),
       choice('motor', mode, MOTORS), target, maxForce, error)));
   }
+  /** As soft as a spring and a damper: N/m and N s/m, or N m/rad and N m s/rad. */
+  setServo(joint, mode, target, stiffness, damping, maxForce = Infinity) {
+    borrow((a) => check(c.tandem_joint_set_servo(this.at, put(a, layouts.handle, joint),
+      choice('motor', mode, MOTORS), target, stiffness, damping, maxForce, error)));
+  }
   /** rad or m of a hinge or a slider. */
   jointPosition(joint) {
     return borrow((a) => {

@@ -3,6 +3,7 @@
 #include "mjcf_actuators.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "actuators.h"
 
@@ -14,12 +15,14 @@ struct Place {
   std::size_t joint = 0;  ///< in Tandem
   const Coordinate* coordinate = nullptr;
   scene_files::Pull pull;  ///< of all that is there
+  int count = 0;           ///< of actuators
   bool is_driven = false;
 };
 
 }  // namespace
 
-bool Actuators::is_affine(int a, Affine& law) {
+std::optional<Actuators::Affine> Actuators::affine(int a) {
+  Affine law{};
   const mjModel& m = model_.m;
   const int kind = m.actuator_trntype[a];
   const char* other = nullptr;
@@ -43,12 +46,15 @@ bool Actuators::is_affine(int a, Affine& law) {
       other = "its stiffness or damping is negative, and it is not read";
     }
   }
-  if (other != nullptr) model_.warn(mjOBJ_ACTUATOR, a, other);
-  return other == nullptr;
+  if (other == nullptr) return law;
+  model_.warn(mjOBJ_ACTUATOR, a, other);
+  return {};
 }
 
-/// Ranges of control and force, as one of control where the force is that alone.
-void Actuators::limit(int a, const Affine& law, SceneFile::Actuator& out) {
+/// Ranges of control and force, as one of control where the force is that alone, else as the
+/// largest force of a servo.
+/// @param alone  no other one acts at its coordinate
+void Actuators::limit(int a, const Affine& law, bool alone, SceneFile::Actuator& out) {
   const mjModel& m = model_.m;
   out.lower = -pbd::kUnlimited;
   out.upper = pbd::kUnlimited;
@@ -56,14 +62,26 @@ void Actuators::limit(int a, const Affine& law, SceneFile::Actuator& out) {
     out.lower = m.actuator_ctrlrange[2 * a];
     out.upper = m.actuator_ctrlrange[2 * a + 1];
   }
-  if (!m.actuator_forcelimited[a]) return;
-  if (law.length_gain != 0.0 || law.speed_gain != 0.0 || law.gain == 0.0) {
-    return model_.warn(mjOBJ_ACTUATOR, a, "forcerange is not kept: it pulls as hard as it takes");
+  const double gear = std::abs(m.actuator_gear[6 * a]);
+  if (!m.actuator_forcelimited[a] || gear == 0.0) return;
+  const mjtNum* range = m.actuator_forcerange + 2 * a;
+  if (law.length_gain == 0.0 && law.speed_gain == 0.0 && law.gain != 0.0) {
+    const double low = (range[0] - law.bias) / law.gain;
+    const double high = (range[1] - law.bias) / law.gain;
+    out.lower = std::clamp(std::min(low, high), out.lower, out.upper);
+    out.upper = std::clamp(std::max(low, high), out.lower, out.upper);
+    return;
   }
-  const double low = (m.actuator_forcerange[2 * a] - law.bias) / law.gain;
-  const double high = (m.actuator_forcerange[2 * a + 1] - law.bias) / law.gain;
-  out.lower = std::clamp(std::min(low, high), out.lower, out.upper);
-  out.upper = std::clamp(std::max(low, high), out.lower, out.upper);
+  if (!alone || (law.length_gain == 0.0 && law.speed_gain == 0.0)) {
+    return model_.warn(mjOBJ_ACTUATOR, a,
+                       alone ? "forcerange is not kept: nothing sets its force"
+                             : "forcerange is not kept where several act at one joint");
+  }
+  out.damping = -law.speed_gain * gear * gear;
+  out.max_force = gear * std::max(std::abs(range[0]), std::abs(range[1]));
+  if (range[0] != -range[1]) {
+    model_.warn(mjOBJ_ACTUATOR, a, "the larger bound of forcerange is kept either way");
+  }
 }
 
 void Actuators::put(std::span<BodyJoint> joints) {
@@ -75,9 +93,14 @@ void Actuators::put(std::span<BodyJoint> joints) {
       places[static_cast<std::size_t>(one.joint)] = {.joint = k, .coordinate = &one};
     }
   }
+  std::vector<std::optional<Affine>> laws;
   for (int a = 0; a < m.nu; ++a) {
-    Affine law{};
-    if (!is_affine(a, law)) continue;
+    laws.push_back(affine(a));
+    if (laws.back()) ++places[static_cast<std::size_t>(m.actuator_trnid[2 * a])].count;
+  }
+  for (int a = 0; a < m.nu; ++a) {
+    if (!laws[static_cast<std::size_t>(a)]) continue;
+    const Affine& law = *laws[static_cast<std::size_t>(a)];
     const int j = m.actuator_trnid[2 * a];
     Place& place = places[static_cast<std::size_t>(j)];
     const Coordinate& at = *place.coordinate;
@@ -90,9 +113,15 @@ void Actuators::put(std::span<BodyJoint> joints) {
         .gain = back * law.gain,
         .bias = back * (law.bias + law.length_gain * gear * m.qpos0[m.jnt_qposadr[j]]),
         .stiffness = -law.length_gain * gear * gear};
-    limit(a, law, one);
+    limit(a, law, place.count == 1, one);
     one.control = std::clamp(controls_ == nullptr ? 0.0 : controls_[a], one.lower, one.upper);
-    pbd::JointSpring& spring = scene_files::axis_of(joints[place.joint].def, at.coordinate).spring;
+    pbd::JointAxis& axis = scene_files::axis_of(joints[place.joint].def, at.coordinate);
+    if (one.max_force < pbd::kUnlimited) {
+      model_.guard(mjOBJ_JOINT, j, [&] { axis.motor = scene_files::servo_of(one); });
+      driven_.push_back({std::move(one), place.joint});
+      continue;
+    }
+    pbd::JointSpring& spring = axis.spring;
     spring.damping -= law.speed_gain * gear * gear;
     if (!place.is_driven) {
       one.bias += spring.stiffness * spring.rest;
@@ -107,9 +136,6 @@ void Actuators::put(std::span<BodyJoint> joints) {
     if (!place.is_driven) continue;
     const Coordinate& at = *place.coordinate;
     pbd::JointAxis& axis = scene_files::axis_of(joints[place.joint].def, at.coordinate);
-    if (axis.friction > 0.0 && place.pull.stiffness == 0.0) {
-      model_.warn(mjOBJ_JOINT, at.joint, "it has no dry friction while an actuator pushes it");
-    }
     model_.guard(mjOBJ_JOINT, at.joint, [&] { place.pull.put(axis); });
   }
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,8 +33,8 @@ class Actuators {
   struct Affine {
     double gain, bias, length_gain, speed_gain;
   };
-  bool is_affine(int actuator, Affine& law);
-  void limit(int actuator, const Affine& law, SceneFile::Actuator& out);
+  std::optional<Affine> affine(int actuator);
+  void limit(int actuator, const Affine& law, bool alone, SceneFile::Actuator& out);
 
   Model& model_;
   const mjtNum* controls_;

@@ -29,14 +29,21 @@ void SceneFile::set_control(std::size_t actuator, double control) {
   }
   Actuator& set = actuators[actuator];
   const double within = std::clamp(control, set.lower, set.upper);
-  scene_files::Pull pull;
-  for (const Actuator& one : actuators) {
-    if (one.joint != set.joint || one.coordinate != set.coordinate) continue;
-    pull.force += one.gain * (&one == &set ? within : one.control) + one.bias;
-    pull.stiffness += one.stiffness;
-  }
   pbd::SixDofJointDef def = scene.joints().def(set.joint);
-  pull.put(scene_files::axis_of(def, set.coordinate));
+  pbd::JointAxis& axis = scene_files::axis_of(def, set.coordinate);
+  if (set.max_force < pbd::kUnlimited) {
+    Actuator changed = set;
+    changed.control = within;
+    axis.motor = scene_files::servo_of(changed);
+  } else {
+    scene_files::Pull pull;
+    for (const Actuator& one : actuators) {
+      if (one.joint != set.joint || one.coordinate != set.coordinate) continue;
+      pull.force += one.gain * (&one == &set ? within : one.control) + one.bias;
+      pull.stiffness += one.stiffness;
+    }
+    pull.put(axis);
+  }
   scene.joints().set(scene.world(), set.joint, def);
   set.control = within;
 }

@@ -6,6 +6,7 @@
 
 #include "tandem/pbd/joint_def.h"
 #include "tandem/pbd/validate.h"
+#include "tandem/scene_files.h"
 
 namespace tandem::scene_files {
 
@@ -14,8 +15,8 @@ struct Pull {
   double force = 0.0;      ///< N or N m, where the coordinate is 0
   double stiffness = 0.0;  ///< N/m or N m/rad, >= 0
 
-  /// As a spring; what would have its rest far away, or nowhere, as a motor that never gets to its
-  /// speed beside one. With rests of 1e9 m a tree of eight bodies came 4e9 m far.
+  /// As a spring; what would have its rest far away, or nowhere, as a servo that is at its bound
+  /// below kFast beside one. With rests of 1e9 m a tree of eight bodies came 4e9 m far.
   /// @throws std::invalid_argument  where it is not finite
   void put(pbd::JointAxis& axis) const {
     constexpr double kFar = 1e3;   // m or rad
@@ -29,11 +30,26 @@ struct Pull {
     axis.motor = {};
     if (pushes) {
       axis.motor = {.mode = pbd::MotorMode::Velocity,
-                    .target = std::copysign(kFast, force),
-                    .max_force = std::abs(force)};
+                    .target = std::copysign(2.0 * kFast, force),
+                    .max_force = std::abs(force),
+                    .damping = std::abs(force) / kFast};
     }
   }
 };
+
+/// Of an actuator whose force has a bound, at its control.
+/// @throws std::invalid_argument  where its force is not finite
+inline pbd::JointMotor servo_of(const SceneFile::Actuator& actuator) {
+  const double force = actuator.gain * actuator.control + actuator.bias;
+  const bool to_position = actuator.stiffness > 0.0;
+  const double target = force / (to_position ? actuator.stiffness : actuator.damping);
+  if (!std::isfinite(target)) pbd::detail::refuse("actuator: force", "finite", force);
+  return {.mode = to_position ? pbd::MotorMode::Position : pbd::MotorMode::Velocity,
+          .target = target,
+          .max_force = actuator.max_force,
+          .stiffness = actuator.stiffness,
+          .damping = actuator.damping};
+}
 
 /// @param coordinate  as those of pbd::JointState::position
 inline pbd::JointAxis& axis_of(pbd::SixDofJointDef& def, int coordinate) {

@@ -125,6 +125,8 @@ void fields(auto& io, pbd::JointMotor& motor) {
   io("target", motor.target);
   io("maxForce", motor.max_force);
   io("maxSpeed", motor.max_speed);
+  io("stiffness", motor.stiffness);
+  io("damping", motor.damping);
 }
 
 void fields(auto& io, pbd::JointAxis& axis) {

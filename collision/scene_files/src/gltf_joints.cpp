@@ -69,13 +69,30 @@ void read_drive(const Place& at, pbd::SixDofJointDef& def) {
   if (mode != "force") at.at("mode").warn("read as force");
   pbd::JointAxis& axis = type == "linear" ? def.linear[which] : def.angular[which];
   if (axis.freedom == pbd::Freedom::Locked) return at.warn("its axis is locked");
+  if (speed != 0.0 && spring.stiffness == 0.0 && spring.damping > 0.0) {
+    axis.motor = {.mode = pbd::MotorMode::Velocity,
+                  .target = speed,
+                  .max_force = most,
+                  .damping = spring.damping};
+    return;
+  }
   if (speed != 0.0) {
     axis.motor = {.mode = pbd::MotorMode::Velocity, .target = speed, .max_force = most};
     if (spring.stiffness != 0.0 || most == pbd::kUnlimited) at.warn("held at velocityTarget alone");
     return;
   }
-  axis.spring = spring;
-  if (most != pbd::kUnlimited) at.at("maxForce").warn("springs have no largest force");
+  if (most == pbd::kUnlimited) {
+    axis.spring = spring;
+    return;
+  }
+  // One without stiffness brakes; with neither it does nothing.
+  const bool pulls = spring.stiffness > 0.0;
+  if (!pulls && spring.damping == 0.0) return;
+  axis.motor = {.mode = pulls ? pbd::MotorMode::Position : pbd::MotorMode::Velocity,
+                .target = pulls ? spring.rest : 0.0,
+                .max_force = most,
+                .stiffness = spring.stiffness,
+                .damping = spring.damping};
 }
 
 /// The same joint from the other body's side.

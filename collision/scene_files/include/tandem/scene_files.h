@@ -35,7 +35,9 @@ struct TANDEM_API SceneFile {
     pbd::JointId joint;
   };
   /// Pulls at a coordinate of a joint with gain * control + bias - stiffness * coordinate, N or
-  /// N m. MJCF has such ones; the first one of a coordinate has the joint's own spring in it.
+  /// N m. MJCF has such ones; the first one of a coordinate has the joint's own spring in it. A
+  /// servo whose force has a bound is by itself: it pulls with that less damping * speed, or with
+  /// max_force where that is more.
   struct TANDEM_API Actuator {
     std::string name;  ///< may be empty
     pbd::JointId joint;
@@ -46,6 +48,8 @@ struct TANDEM_API SceneFile {
     double gain = 0.0;       ///< N or N m for each unit of control
     double bias = 0.0;       ///< N or N m
     double stiffness = 0.0;  ///< N/m or N m/rad, >= 0
+    double damping = 0.0;    ///< N s/m or N m s/rad, >= 0; that of others is in the joint's spring
+    double max_force = pbd::kUnlimited;  ///< N or N m, > 0
   };
 
   Scene scene;
@@ -62,7 +66,7 @@ struct TANDEM_API SceneFile {
   Pose pose(std::string_view name) const;
   /// Of the first actuator with that name, or the one at that place: from now on, or as much of it
   /// as lower and upper let through. All that pull at its coordinate are its spring, and a
-  /// motor that has a constant force below 1000 m/s or rad/s, without dry friction.
+  /// motor: a servo whose force has a bound, or one of constant force below 1000 m/s or rad/s.
   /// @throws std::invalid_argument  where there is none, its joint has been removed, or the control
   ///   or the force is not finite
   void set_control(std::string_view actuator, double control);

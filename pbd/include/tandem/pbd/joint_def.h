@@ -44,11 +44,20 @@ struct TANDEM_API JointSpring {
 
 /// Drives a coordinate with as much force as it takes, up to max_force. A limit is stronger than
 /// any motor.
+///
+/// With a stiffness or damping it is a servo, as soft as these say: its force is
+/// stiffness (target - position) - damping speed (Position), or damping (target - speed)
+/// (Velocity), and where that is more than max_force it is that. A spring acts beside it, dry
+/// friction as well.
 struct TANDEM_API JointMotor {
   MotorMode mode = MotorMode::Off;
   double target = 0.0;            ///< m/s or rad/s (Velocity), m or rad (Position)
   double max_force = kUnlimited;  ///< N or N m, > 0
-  double max_speed = kUnlimited;  ///< m/s or rad/s, > 0: on the way to a position
+  double max_speed = kUnlimited;  ///< m/s or rad/s, > 0: on the way to a position, not of servos
+  double stiffness = 0.0;         ///< N/m or N m/rad, >= 0: of a servo to a position
+  double damping = 0.0;           ///< N s/m or N m s/rad, >= 0: of a servo
+
+  bool is_servo() const { return mode != MotorMode::Off && (stiffness > 0.0 || damping > 0.0); }
 };
 
 /// One coordinate. Compliance (m/N or rad/(N m)) and damping (N s/m or N m s/rad) are those of the
@@ -63,7 +72,7 @@ struct TANDEM_API JointAxis {
   JointSpring spring;  ///< none where Locked
   JointMotor motor;    ///< none where Locked
   /// N or N m, >= 0, none where Locked: resists motion along the coordinate with at most this, dry
-  /// friction. A motor that is on takes its place.
+  /// friction. A motor that is on takes its place, unless it is a servo.
   double friction = 0.0;
 };
 

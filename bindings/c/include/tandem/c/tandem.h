@@ -295,6 +295,13 @@ TANDEM_C_API tandem_result tandem_joint_remove(tandem_world* world, tandem_joint
 TANDEM_C_API tandem_result tandem_joint_set_motor(tandem_world* world, tandem_joint joint,
                                                   tandem_motor_mode mode, double target,
                                                   double max_force, tandem_error* error);
+/** A motor as soft as a spring and a damper: stiffness (target - position) - damping speed
+ * (TANDEM_MOTOR_POSITION), or damping (target - speed) (TANDEM_MOTOR_VELOCITY, whose stiffness is
+ * 0), at most max_force. N/m and N s/m, or N m/rad and N m s/rad. */
+TANDEM_C_API tandem_result tandem_joint_set_servo(tandem_world* world, tandem_joint joint,
+                                                  tandem_motor_mode mode, double target,
+                                                  double stiffness, double damping,
+                                                  double max_force, tandem_error* error);
 /** rad or m of a hinge or a slider, 0 of others. @param broken  may be null */
 TANDEM_C_API tandem_result tandem_joint_position(const tandem_world* world, tandem_joint joint,
                                                  double* position, int32_t* broken,
