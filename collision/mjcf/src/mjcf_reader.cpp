@@ -8,6 +8,7 @@
 
 #include "mjcf_actuators.h"
 #include "mjcf_between.h"
+#include "nearest_hull.h"
 #include "start_in_range.h"
 
 namespace tandem::mjcf {
@@ -194,21 +195,13 @@ collision::Hull Reader::hull(int g) {
     const float* p = m_.mesh_vert + 3 * (m_.mesh_vertadr[mesh] + vertex);
     points.emplace_back(p[0], p[1], p[2]);
   }
-  return known = model_.guard(mjOBJ_GEOM, g, [&] { return hull_of(mesh, points); });
-}
-
-collision::Hull Reader::hull_of(int mesh, const std::vector<Vec3>& points) {
-  try {
-    return collision::ConvexHull::make(points);
-  } catch (const std::invalid_argument&) {
-    if (options_.strict) throw;
-    const auto [hull, error] = collision::ConvexHull::simplify(points);
-    model_.warnings.add(
-        "mesh",
-        model_.title(mjOBJ_MESH, mesh) + " (by " + scene_files::short_number(1e3 * error) + " mm)",
-        "its hull has more than 128 corners, or is flat: it has the nearest one");
-    return hull;
-  }
+  const auto tell = [&](const std::string& off) {
+    model_.warnings.add("mesh", model_.title(mjOBJ_MESH, mesh) + ' ' + off,
+                        scene_files::kNearestHull);
+  };
+  return known = model_.guard(mjOBJ_GEOM, g, [&] {
+    return scene_files::nearest_hull(points, options_.strict, tell);
+  });
 }
 
 void Reader::add_joints(int b) {

@@ -48,7 +48,6 @@ class Reader {
   void add_geom(int geom, const Filters& filters);
   double friction(int geom);
   collision::Hull hull(int geom);
-  collision::Hull hull_of(int mesh, const std::vector<Vec3>& points);
   void add_joints(int body);
   void tell_free_joint(int joint);
   void start();

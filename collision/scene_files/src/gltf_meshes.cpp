@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "grouped_warnings.h"
+#include "nearest_hull.h"
 
 namespace tandem::scene_files {
 
@@ -73,7 +73,11 @@ collision::Shape GltfMeshes::shape(const Place& index, const Vec3& scale, bool h
   std::vector<Vec3> points = read.points;
   for (Vec3& point : points) point = point.cwiseProduct(scale);
   collision::Shape& out = shapes_[key];
-  if (hull) return out = GltfMeshes::hull(index, points);
+  if (hull) {
+    return out = nearest_hull(points, index.strict(), [&](const std::string& off) {
+             index.warn(std::string(kNearestHull) + ' ' + off);
+           });
+  }
   std::vector<collision::TriangleMesh::Triangle> triangles = read.triangles;
   if (scale.prod() < 0.0) {  // mirrored
     for (auto& triangle : triangles) std::swap(triangle[1], triangle[2]);
@@ -85,18 +89,6 @@ collision::Shape GltfMeshes::shape(const Place& index, const Vec3& scale, bool h
     if (flat > 0) index.warn(std::to_string(flat) + " triangles without area are left out");
   }
   return out = collision::TriangleMesh::make(points, triangles);
-}
-
-collision::Shape GltfMeshes::hull(const Place& index, const std::vector<Vec3>& points) {
-  try {
-    return collision::ConvexHull::make(points);
-  } catch (const std::invalid_argument&) {
-    if (index.strict()) throw;
-    const auto [hull, error] = collision::ConvexHull::simplify(points);
-    index.warn("its hull has more than 128 corners, or is flat: it has the nearest one (by " +
-               short_number(1e3 * error) + " mm)");
-    return hull;
-  }
 }
 
 }  // namespace tandem::scene_files

@@ -32,7 +32,6 @@ class GltfMeshes {
 
   const Mesh& mesh(const Place& index);
   void add(const Place& primitive, Mesh& out);
-  static collision::Shape hull(const Place& index, const std::vector<Vec3>& points);
 
   const Place& document_;
   GltfBuffers buffers_;

@@ -13,6 +13,7 @@
 
 #include "grouped_warnings.h"
 #include "limit_count.h"
+#include "mesh_files.h"
 #include "read_bytes.h"
 #include "rigid_parts.h"
 #include "start_in_range.h"
@@ -252,11 +253,14 @@ class UrdfReader {
         def.shape = Cylinder{.radius = round.radius, .half_height = 0.5 * round.length};
         break;
       }
-      case urdf::Geometry::MESH:
-        return warnings_.add(
-            "link",
-            name + " (" + static_cast<const urdf::Mesh&>(*collision.geometry).filename + ")",
-            "its mesh is not read");
+      case urdf::Geometry::MESH: {
+        const auto& mesh = static_cast<const urdf::Mesh&>(*collision.geometry);
+        auto hull =
+            guard(where, [&] { return meshes_.hull(name, mesh.filename, vec(mesh.scale)); });
+        if (hull == nullptr) return;
+        def.shape = std::move(hull);
+        break;
+      }
     }
     scene_files::require_within(where, limits_.add(&SceneLimits::colliders));
     guard(where, [&] { return out_.scene.shapes().add(out_.scene.world(), def); });
@@ -333,6 +337,7 @@ class UrdfReader {
   pbd::World scratch_;  ///< says whether a mass is one
   scene_files::GroupedWarnings warnings_;
   scene_files::LimitCount limits_{options_.limits};
+  urdf_files::MeshFiles meshes_{options_, limits_, warnings_};
 };
 
 /// What urdfdom says goes to the error message, not to the terminal.
