@@ -49,8 +49,9 @@ struct TANDEM_API ConstraintId {
 ///   forgive (of a row with a body that SubstepContext::displaced names), bool find_gap (at the
 ///   start of a step, of all other rows: see has_gaps()), begin_substep,
 ///   displace, solve_velocity, finish_velocity, begin_displacement, project_displacement,
-///   end_displacement, end_step; bool active() const (false leaves the row out), actuated() const
-///   and force_driven() const (see ConstraintEdge).
+///   end_displacement, end_step; where a row has more bodies than two, bool names(BodyId) const and
+///   append_edges(std::vector<ConstraintEdge>&) const, of the others; bool active() const (false
+///   leaves the row out), actuated() const and force_driven() const (see ConstraintEdge).
 /// Where C is a value that can be copied, so is the block (WorldCopy).
 template <class C>
 class TANDEM_API TypedBlock final : public ConstraintBlock {
@@ -166,6 +167,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       if constexpr (requires { c.actuated(); }) edge.actuated = c.actuated();
       if constexpr (requires { c.force_driven(); }) edge.force_driven = c.force_driven();
       edges.push_back(edge);
+      if constexpr (requires { c.append_edges(edges); }) c.append_edges(edges);
     }
   }
   void take_changed(std::vector<std::uint32_t>& bodies) override {
@@ -179,6 +181,11 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   }
   void remove_body(BodyId body) override {
     for (const std::uint32_t row : by_body().rows_of(body.index)) erase(row);
+    if constexpr (requires(const C& c) { c.names(body); }) {
+      for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+        if (slots_.alive(i) && rows_[i].names(body)) erase(i);
+      }
+    }
   }
   BlockReport report() const override {
     BlockReport report{.name = C::kName, .rows = size()};
