@@ -129,8 +129,8 @@ TEST_CASE("mjcf: what of joints is left out is told", "[mjcf]") {
       "<geom size='.1'/></body><body pos='0 1 0'><joint name='b' type='ball' armature='1'/>"
       "<geom size='.1'/><body><joint name='h' axis='0 0 1' armature='1'/><geom size='.1'/><body>"
       "<joint name='i' axis='0 0 1' armature='1'/><geom size='.1'/></body></body></body>"
-      "</worldbody><equality><joint name='e' joint1='h' joint2='i'/>"
-      "<joint name='g' joint1='i' joint2='h'/><joint name='k' joint1='i' active='false'/>"
+      "</worldbody><equality><joint name='e' joint1='h' joint2='i' polycoef='0 1 1 0 0'/>"
+      "<joint name='g' joint1='i'/><joint name='k' joint1='i' active='false'/>"
       "<connect name='c' body1='a' anchor='0 0 0'/></equality>";
   const SceneFile file = model(text);
   CHECK(is_told(file, "joint f: frictionloss of free joints"));
@@ -139,6 +139,25 @@ TEST_CASE("mjcf: what of joints is left out is told", "[mjcf]") {
   CHECK(is_told(file, "equality c: left out"));
   CHECK_FALSE(is_told(file, "equality k"));
   CHECK_FALSE(is_told(model("<option><flag equality='disable'/></option>" + text), "equality"));
+}
+
+TEST_CASE("mjcf: hinges that an equality couples keep its line", "[mjcf][coupling]") {
+  SceneFile file = model(
+      "<compiler angle='radian'/><worldbody><body><joint name='x' axis='0 1 0' ref='.3'/>"
+      "<geom type='capsule' size='.03' fromto='0 0 0 .3 0 0'/></body><body pos='0 1 0'>"
+      "<joint name='y' axis='0 -1 0'/><geom type='capsule' size='.03' fromto='0 0 0 .2 0 0'/>"
+      "</body></worldbody><equality><joint joint1='y' joint2='x' polycoef='0 -.5 0 0 0'/>"
+      "</equality>");
+  CHECK(file.warnings.empty());
+  double farthest = 0.0;
+  for (int i = 0; i < 120; ++i) {
+    file.scene.step(1.0 / 60.0);
+    const double x = file.scene.joints().hinge_angle(file.find_joint("x"));
+    const double y = file.scene.joints().hinge_angle(file.find_joint("y"));
+    CHECK(std::abs(y + 0.5 * x) < 1e-4);
+    farthest = std::max(farthest, std::abs(x));
+  }
+  CHECK(farthest > 0.5);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "couple_joints.h"
 #include "mjcf_actuators.h"
 #include "mjcf_between.h"
 #include "nearest_hull.h"
@@ -279,6 +280,7 @@ void Reader::start() {
     ids.push_back(id);
   }
   actuators.append_to(out_.actuators, ids);
+  couple(ids);
 }
 
 /// By MuJoCo's own kinematics.
@@ -319,6 +321,36 @@ Pose Reader::frame_behind(int b, int joint, const mjData& data) const {
   return out;
 }
 
+void Reader::couple(const std::vector<pbd::JointId>& ids) {
+  for (int e = 0; e < m_.neq; ++e) {
+    if (!m_.eq_active[e] || model_.off(mjDSBL_EQUALITY) || m_.eq_type[e] != mjEQ_JOINT) continue;
+    if (options_.couple && couple(e, ids)) continue;
+    model_.warn(mjOBJ_EQUALITY, e, "couplings of joints are left out: they move freely");
+  }
+}
+
+/// y - y0 = a0 + a1 (x - x0) + ...: coordinates are 0 at qpos0 here.
+/// @return whether it is one that can be kept
+bool Reader::couple(int e, const std::vector<pbd::JointId>& ids) {
+  const mjtNum* a = m_.eq_data + mjNEQDATA * e;
+  if (m_.eq_obj2id[e] < 0 || a[2] != 0.0 || a[3] != 0.0 || a[4] != 0.0) return false;
+  pbd::JointId id[2];
+  double sign[2] = {0.0, 0.0};
+  const int wanted[2] = {m_.eq_obj2id[e], m_.eq_obj1id[e]};
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    for (const Coordinate& one : joints_[k].coordinates) {
+      for (int i = 0; i < 2; ++i) {
+        if (one.joint != wanted[i]) continue;
+        id[i] = ids[k];
+        sign[i] = one.sign;
+      }
+    }
+  }
+  return sign[0] * sign[1] != 0.0 &&
+         scene_files::couple_joints(out_.scene, id[0], id[1], sign[0] * sign[1] * a[1],
+                                    sign[1] * a[0]);
+}
+
 /// What is counted alone.
 void Reader::tell_rest() {
   const auto all = [&](mjtObj kind, int count) {
@@ -326,10 +358,8 @@ void Reader::tell_rest() {
   };
   all(mjOBJ_TENDON, m_.ntendon);
   for (int e = 0; e < m_.neq; ++e) {
-    if (!m_.eq_active[e] || model_.off(mjDSBL_EQUALITY)) continue;
-    model_.warn(mjOBJ_EQUALITY, e,
-                m_.eq_type[e] == mjEQ_JOINT ? "couplings of joints are left out: they move freely"
-                                            : "left out: what it ties moves freely");
+    if (!m_.eq_active[e] || model_.off(mjDSBL_EQUALITY) || m_.eq_type[e] == mjEQ_JOINT) continue;
+    model_.warn(mjOBJ_EQUALITY, e, "left out: what it ties moves freely");
   }
   all(mjOBJ_SENSOR, m_.nsensor);
   all(mjOBJ_EXCLUDE, m_.nexclude);

@@ -53,6 +53,9 @@ class Reader {
   void start();
   void set_poses(const std::vector<mjtNum>& coordinates);
   Pose frame_behind(int body, int joint, const mjData& data) const;
+  /// @param ids  of joints_
+  void couple(const std::vector<pbd::JointId>& ids);
+  bool couple(int equality, const std::vector<pbd::JointId>& ids);
   void tell_rest();
 
   Model model_;

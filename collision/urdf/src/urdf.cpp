@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/urdf.h"
 
-#include <console_bridge/console.h>
 #include <tinyxml.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -11,8 +10,10 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "couple_joints.h"
 #include "grouped_warnings.h"
 #include "limit_count.h"
+#include "listener.h"
 #include "mesh_files.h"
 #include "read_bytes.h"
 #include "rigid_parts.h"
@@ -26,6 +27,10 @@ Vec3 vec(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 Pose pose_of(const urdf::Pose& pose) {
   return {vec(pose.position),
           Quat(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z).normalized()};
+}
+Pose inverse(const Pose& pose) {
+  const Quat back = pose.orientation.conjugate();
+  return {-(back * pose.position), back};
 }
 Pose operator*(const Pose& a, const Pose& b) {
   return {a.to_world(b.position), (a.orientation * b.orientation).normalized()};
@@ -56,6 +61,7 @@ class UrdfReader {
     if (starts_found_ < options_.start.size()) {
       throw SceneFileError("UrdfOptions::start: names must be those of joints of the robot");
     }
+    for (const Link& link : links_) mimic(*link.link);
     scene_files::require_within("robot", limits_.pairs(out_.scene));
     warnings_.append_to(out_.warnings);
   }
@@ -85,11 +91,6 @@ class UrdfReader {
     } catch (const std::invalid_argument& error) {
       throw SceneFileError(where + ": " + error.what());
     }
-  }
-
-  static Pose inverse(const Pose& pose) {
-    const Quat back = pose.orientation.conjugate();
-    return {-(back * pose.position), back};
   }
 
   /// Fills links_ and solids_.
@@ -269,7 +270,6 @@ class UrdfReader {
   void joint(const urdf::Joint& joint, const Pose& frame, const Solid& solid) {
     const std::string where = "joint " + joint.name;
     const auto warn = [&](const char* text) { warnings_.add("joint", joint.name, text); };
-    if (joint.mimic) warn("mimic is not kept: it moves freely");
     if (joint.safety || joint.calibration) warn("safety and calibration are not read");
     if (joint.type == urdf::Joint::FLOATING) return;
     pbd::JointAxis axis;
@@ -314,6 +314,16 @@ class UrdfReader {
     out_.joints.push_back({joint.name, id});
   }
 
+  void mimic(const urdf::Link& link) {
+    if (!link.parent_joint || !link.parent_joint->mimic) return;
+    const urdf::JointMimic& mimic = *link.parent_joint->mimic;
+    const std::string& name = link.parent_joint->name;
+    const bool kept = options_.mimic && scene_files::couple_joints(
+                                            out_.scene, out_.find_joint(mimic.joint_name),
+                                            out_.find_joint(name), mimic.multiplier, mimic.offset);
+    if (!kept) warnings_.add("joint", name, "mimic is not kept: it moves freely");
+  }
+
   /// @param def  with x along the joint's axis, or the plane's normal
   static pbd::SixDofJointDef shaped(int type, const pbd::JointAxis& axis, pbd::SixDofJointDef def) {
     for (auto* axes : {&def.linear, &def.angular}) {
@@ -340,17 +350,6 @@ class UrdfReader {
   urdf_files::MeshFiles meshes_{options_, limits_, warnings_};
 };
 
-/// What urdfdom says goes to the error message, not to the terminal.
-class Listener final : public console_bridge::OutputHandler {
- public:
-  Listener() { console_bridge::useOutputHandler(this); }
-  ~Listener() override { console_bridge::restorePreviousOutputHandler(); }
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_WARN && said.size() < 2000) said += text + "; ";
-  }
-  std::string said;
-};
-
 /// Elements that urdfdom passes over: whoever reads the result should know.
 void warn_of_unknown(const std::string& text, std::vector<std::string>& warnings) {
   TiXmlDocument document;
@@ -373,7 +372,7 @@ SceneFile parse_urdf(std::string_view text, const UrdfOptions& options, std::str
   scene_files::check_xml(text, name);
   const std::string copy(text);
   urdf::ModelInterfaceSharedPtr model;
-  Listener listener;
+  urdf_files::Listener listener;
   try {
     model = urdf::parseURDF(copy);
   } catch (const std::exception& error) {

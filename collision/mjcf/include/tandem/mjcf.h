@@ -19,6 +19,9 @@ struct TANDEM_API MjcfOptions {
   /// know, are errors. Else the nearest hull is taken, what is not known is left out, and both are
   /// told.
   bool strict = false;
+  /// Whether equality/joint couples joints (pbd::JointCoupling), which no scene file has:
+  /// write_scene() refuses such a scene. Else they move freely, and are told.
+  bool couple = true;
 };
 
 /// A model by MJCF, compiled by Debian's MuJoCo: bodies at qpos0, a keyframe, or as near to it as

@@ -28,6 +28,9 @@ struct TANDEM_API UrdfOptions {
   /// Folders by package: meshes named "package://NAME/..." are read from folder NAME or below,
   /// those of relative names from the folder of "". Nothing else is opened.
   std::map<std::string, std::filesystem::path, std::less<>> packages = {};
+  /// Whether joints that mimic another one are coupled with it (pbd::JointCoupling), which no scene
+  /// file has: write_scene() refuses such a scene. Else they move freely, and are told.
+  bool mimic = true;
   SceneLimits limits;
 };
 
@@ -36,7 +39,7 @@ struct TANDEM_API UrdfOptions {
 /// fixed joints are parts of the body that they are fixed to, with their inertia; SceneFile::pose()
 /// is that of any link's frame. Links of one robot do not meet each other. Meshes of STL and
 /// OBJ in UrdfOptions::packages collide as their hulls, of at most 128 corners. Told as warnings:
-/// other meshes, mimic joints, transmissions and what else urdfdom does not know, masses of 0 and
+/// other meshes, transmissions and what else urdfdom does not know, masses of 0 and
 /// inertias that no body can have.
 /// @throws SceneFileError
 TANDEM_API SceneFile load_urdf(const std::filesystem::path& path, const UrdfOptions& options = {});
