@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "aabb_tree.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace tandem::collision {
@@ -9,6 +10,10 @@ namespace {
 
 /// A leaf stays where it is while its parent grows by no more than this factor.
 constexpr double kStays = 1.1;
+
+/// So many leaves, and this share of those that are there, become a tree of their own.
+constexpr std::size_t kMany = 256;
+constexpr std::size_t kShare = 4;
 
 }  // namespace
 
@@ -30,11 +35,53 @@ void AabbTree::free_node(std::uint32_t index) {
 }
 
 std::uint32_t AabbTree::insert(const Aabb& box, std::uint32_t value) {
+  const std::uint32_t leaf = prepare(box, value);
+  link(leaf);
+  return leaf;
+}
+
+std::uint32_t AabbTree::prepare(const Aabb& box, std::uint32_t value) {
   const std::uint32_t leaf = take_node();
   nodes_[leaf].box = box;
   nodes_[leaf].child[1] = value;
-  link(leaf);
   return leaf;
+}
+
+void AabbTree::link_all(std::span<std::uint32_t> leaves) {
+  if (leaves.size() >= kMany && kShare * 2 * leaves.size() >= nodes_.size()) {
+    link(join(leaves));
+    return;
+  }
+  for (const std::uint32_t leaf : leaves) link(leaf);
+}
+
+/// Halves along the longest way between their middles.
+std::uint32_t AabbTree::join(std::span<std::uint32_t> leaves) {
+  if (leaves.size() == 1) return leaves[0];
+  const auto middle = [&](std::uint32_t leaf) {
+    return pbd::Vec3(nodes_[leaf].box.min + nodes_[leaf].box.max);
+  };
+  Aabb middles{middle(leaves[0]), middle(leaves[0])};
+  for (const std::uint32_t leaf : leaves) {
+    middles = {middles.min.cwiseMin(middle(leaf)), middles.max.cwiseMax(middle(leaf))};
+  }
+  int axis = 0;
+  (middles.max - middles.min).maxCoeff(&axis);
+  const std::size_t half = leaves.size() / 2;
+  const auto place = [&](std::uint32_t leaf) {
+    const Aabb& box = nodes_[leaf].box;
+    return std::pair(box.min[axis] + box.max[axis], leaf);
+  };
+  std::nth_element(leaves.begin(), leaves.begin() + static_cast<std::ptrdiff_t>(half), leaves.end(),
+                   [&](std::uint32_t l, std::uint32_t r) { return place(l) < place(r); });
+  const std::uint32_t first = join(leaves.first(half));
+  const std::uint32_t second = join(leaves.subspan(half));
+  const std::uint32_t parent = take_node();
+  nodes_[parent].box = nodes_[first].box.merged(nodes_[second].box);
+  nodes_[parent].child[0] = first;
+  nodes_[parent].child[1] = second;
+  nodes_[first].parent = nodes_[second].parent = parent;
+  return parent;
 }
 
 void AabbTree::remove(std::uint32_t leaf) {

@@ -15,6 +15,8 @@ constexpr double kMarginShare = 0.06;
 constexpr double kAhead = 3.0;
 /// Boxes that one worker looks up at a time.
 constexpr std::size_t kGrain = 32;
+/// Boxes after which what is known of them in one step gives its memory back.
+constexpr std::size_t kManyAtOnce = 4096;
 
 /// Give memory back where it is more than what half of `usual` pairs need.
 void release(std::vector<ColliderPair>& found, std::size_t usual) {
@@ -132,7 +134,13 @@ bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
     if (slack.maxCoeff() <= kShrink * margin + 2.0 * ahead.cwiseAbs().maxCoeff()) return false;
   }
   const Aabb box = c.needed.expanded(margin);
-  place(index, {box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)}, !c.active());
+  const Aabb fat{box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)};
+  if (placed(index) || c.active()) {
+    place(index, fat, !c.active());
+  } else {
+    unlinked_.push_back(fixed_tree_.prepare(fat, index));
+    leaves_[index] = unlinked_.back() | kFixed;
+  }
   return true;
 }
 
@@ -163,14 +171,21 @@ bool BroadPhase::still_close(const ColliderPair& pair, const std::vector<Collide
   return fat(pair.low).overlaps(fat(pair.high));
 }
 
-void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers) {
+void BroadPhase::update(const std::vector<Collider>& colliders,
+                        std::span<const std::uint32_t> watched, double dt, pbd::Workers& workers) {
   moved_.clear();
   found_.clear();
   release(found_, pairs_.size());
-  has_moved_.assign(colliders.size(), 0);
+  if (has_moved_.size() < colliders.size()) has_moved_.resize(colliders.size(), 0);
+  for (const std::uint32_t i : flagged_) has_moved_[i] = 0;
+  flagged_.clear();
+  const auto flag = [&](std::uint32_t i) {
+    has_moved_[i] = 1;
+    flagged_.push_back(i);
+  };
   bool plane_moves = false;
   bool all_finite = true;
-  for (std::uint32_t i = 0; i < colliders.size(); ++i) {
+  for (const std::uint32_t i : watched) {
     const Collider& c = colliders[i];
     if (!c.alive) continue;
     if (placed(i) && placed_fixed(i) == c.active()) look_again(i);  // its body's type has changed
@@ -178,7 +193,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
       all_finite = false;
       unlink(i);
       remember_plane(i, {});
-      has_moved_[i] = 1;
+      flag(i);
     } else if (c.is_half_space()) {
       // The length of the step is of no matter to one that stands.
       const Aabb plane{c.plane_normal(), Vec3(c.plane_offset(), c.travel_within(dt), 0.0)};
@@ -189,15 +204,18 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
       remember_plane(i, plane);
     } else if (!(c.still && placed(i)) && refit(i, c)) {
       moved_.push_back(i);
-      has_moved_[i] = 1;
+      flag(i);
     }
   }
+  fixed_tree_.link_all(unlinked_);
+  if (unlinked_.size() > kManyAtOnce) std::vector<std::uint32_t>().swap(unlinked_);
+  unlinked_.clear();
   if (moved_.empty() && !plane_moves && all_finite) return;
   if (plane_moves) {  // all boxes against the planes
     moved_.clear();
     for (std::uint32_t i = 0; i < colliders.size(); ++i) {
       if (placed(i) && colliders[i].finite) moved_.push_back(i);
-      has_moved_[i] = 1;
+      if (has_moved_[i] == 0) flag(i);
     }
   }
   drop_pairs([&](const ColliderPair& pair) {
@@ -210,6 +228,10 @@ void BroadPhase::update(const std::vector<Collider>& colliders, double dt, pbd::
 }
 
 void BroadPhase::index_pairs() {
+  // What few look up is found without: the index takes a look at every collider.
+  constexpr std::size_t kFew = 32;
+  indexed_ = kFew * moved_.size() >= leaves_.size();
+  if (!indexed_) return;
   first_pair_.resize(leaves_.size() + 1);
   std::uint32_t at = 0;
   for (std::uint32_t low = 0; low < first_pair_.size(); ++low) {
@@ -219,11 +241,11 @@ void BroadPhase::index_pairs() {
 }
 
 bool BroadPhase::known(std::uint32_t low, std::uint32_t high) const {
-  const auto begin = pairs_.begin() + first_pair_[low];
-  const auto end = pairs_.begin() + first_pair_[low + 1];
+  const auto begin = pairs_.begin() + (indexed_ ? first_pair_[low] : 0);
+  const auto end = indexed_ ? pairs_.begin() + first_pair_[low + 1] : pairs_.end();
   const ColliderPair pair{low, high, 0, false};
   const auto at = std::lower_bound(begin, end, pair);
-  return at != end && at->high == high;
+  return at != end && at->low == low && at->high == high;
 }
 
 void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers) {

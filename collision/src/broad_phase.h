@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "aabb_tree.h"
@@ -51,7 +52,9 @@ class BroadPhase {
   void look_again(std::uint32_t index);
 
   /// Bring boxes and pairs up to date with the colliders' `needed` boxes.
-  void update(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers);
+  /// @param watched  ascending, all but those that lie still where their boxes are
+  void update(const std::vector<Collider>& colliders, std::span<const std::uint32_t> watched,
+              double dt, pbd::Workers& workers);
 
   /// Without those of what was removed since, or is to be looked at again.
   std::vector<ColliderPair>& pairs() {
@@ -129,8 +132,11 @@ class BroadPhase {
   bool any_dropped_ = false;
   std::vector<ColliderPair> found_;
   std::vector<std::uint32_t> moved_;
-  std::vector<std::uint8_t> has_moved_;    ///< by collider
-  std::vector<std::uint32_t> first_pair_;  ///< by lower collider, into pairs_
+  std::vector<std::uint32_t> unlinked_;    ///< leaves of fixed_tree_ that update() has prepared
+  std::vector<std::uint8_t> has_moved_;    ///< by collider; 0 between two updates
+  std::vector<std::uint32_t> flagged_;     ///< where that is set
+  std::vector<std::uint32_t> first_pair_;  ///< by lower collider, into pairs_; see known()
+  bool indexed_ = false;
   std::vector<std::uint32_t> free_slots_;
   /// Of one worker.
   struct Search {

@@ -52,8 +52,14 @@ struct __attribute__((visibility("hidden"))) SceneState {
   std::vector<Collider> colliders;
   pbd::ByBody by_body;  ///< colliders
   std::vector<std::uint32_t> free;
+  /// Colliders that a step looks at, ascending: those of bodies that may move, and of the others
+  /// those that have come, or whose body has changed, until they lie still.
+  std::vector<std::uint32_t> watched;
+  bool watched_in_order = true;
+  pbd::BodyLog::Mark seen;  ///< of the world
   std::size_t sensor_count = 0;
   pbd::ChangeCount changes;
+  std::uint64_t collected = 0;  ///< what that was in the last collect()
   std::uint64_t added = 0;
   std::int32_t next_group = std::numeric_limits<std::int32_t>::min();
   bool order_is_old = true;
@@ -74,6 +80,16 @@ class __attribute__((visibility("hidden"))) CollisionScene::Impl : public SceneS
   std::uint32_t checked(ColliderId id, const char* what) const;
   void update_order(const pbd::World& world);
   void look_again_at(std::uint32_t body);
+  void look_again(std::uint32_t index) {
+    broad.look_again(index);
+    watch(index);
+  }
+  void watch(std::uint32_t index);
+  void watch_all();
+  /// Bring the list up to date with the world.
+  void update_watched(const pbd::World& world);
+  /// Leave out what lies still.
+  void leave_still(const pbd::World& world);
   void sum_stats(std::span<const pbd::Manifold> found);
   bool load(pbd::ByteReader& in);
   void forget();
@@ -95,18 +111,61 @@ void CollisionScene::Impl::update_order(const pbd::World& world) {
   if (!order_is_old && natural_order == order.natural()) return;
   order_is_old = false;
   // Two colliders change places only here, and then no cache says which of them was the first.
-  if (natural_order != order.natural() && !restored) broad.reset();
+  if (natural_order != order.natural() && !restored) {
+    broad.reset();
+    seen = {};
+  }
   restored = false;
   natural_order = order.natural();
   put_in_order(colliders, order);
 }
 
 void CollisionScene::Impl::look_again_at(std::uint32_t body) {
-  by_body.for_rows(body, [&](std::uint32_t row, std::uint32_t) { broad.look_again(row); });
+  by_body.for_rows(body, [&](std::uint32_t row, std::uint32_t) { look_again(row); });
+}
+
+void CollisionScene::Impl::watch(std::uint32_t index) {
+  if (std::exchange(colliders[index].watched, true)) return;
+  watched_in_order = watched_in_order && (watched.empty() || watched.back() < index);
+  watched.push_back(index);
+}
+
+void CollisionScene::Impl::watch_all() {
+  watched.clear();
+  watched_in_order = true;
+  for (std::uint32_t i = 0; i < colliders.size(); ++i) {
+    colliders[i].watched = colliders[i].alive;
+    if (colliders[i].alive) watched.push_back(i);
+  }
+}
+
+void CollisionScene::Impl::update_watched(const pbd::World& world) {
+  const bool moved = sleepers_moved != world.sleepers_moved();
+  sleepers_moved = world.sleepers_moved();
+  const bool known = world.body_log().read(seen, [&](std::uint32_t body) {
+    by_body.for_rows(body, [&](std::uint32_t row, std::uint32_t) { watch(row); });
+  });
+  if (!known) watch_all();
+  if (!watched_in_order) std::sort(watched.begin(), watched.end());
+  watched_in_order = true;
+  if (!moved) return;
+  for (const std::uint32_t i : watched) colliders[i].asleep = false;
+}
+
+void CollisionScene::Impl::leave_still(const pbd::World& world) {
+  std::erase_if(watched, [&](std::uint32_t i) {
+    Collider& c = colliders[i];
+    const bool moves =
+        c.alive && (!c.finite || !c.still ||
+                    world.all_props()[c.def.body.index].type != pbd::BodyType::Static);
+    c.watched = moves;
+    return !moves;
+  });
 }
 
 void CollisionScene::Impl::sum_stats(std::span<const pbd::Manifold> found) {
   stats = {.colliders = colliders.size() - free.size(),
+           .looked_at = watched.size(),
            .searches = broad.searches(),
            .pairs = broad.pairs().size(),
            .queries = contacts.queries(),
@@ -149,13 +208,16 @@ ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) 
   }
   made.generation = m.colliders[index].generation;
   made.added = m.added++;
+  made.watched = m.colliders[index].watched;
+  made.rank = {index, made.def.body.index};
   made.dynamic = world.all_props()[made.def.body.index].type == pbd::BodyType::Dynamic;
   if (made.def.sensor) ++m.sensor_count;
   Collider& collider = m.colliders[index] = std::move(made);
-  m.order_is_old = true;
+  m.order_is_old = m.order_is_old || !m.natural_order;
   m.changes.note();
   m.by_body.add(index, collider.def.body.index);
   m.broad.add(index, collider);
+  m.watch(index);
   return {index, collider.generation};
 }
 
@@ -166,10 +228,12 @@ void CollisionScene::remove(ColliderId id) {
   m.broad.remove(id.index, collider);
   m.by_body.remove(id.index);
   const std::uint32_t generation = collider.generation + 1;
-  m.order_is_old = true;
+  m.order_is_old = m.order_is_old || !m.natural_order;
   m.changes.note();
+  const bool watched = collider.watched;
   collider = {};
   collider.generation = generation;
+  collider.watched = watched;
   m.free.push_back(id.index);
 }
 
@@ -180,11 +244,16 @@ void CollisionScene::set_material(ColliderId id, const Material& material) {
     throw std::invalid_argument("CollisionScene::set_material: " + error);
   }
   collider.def.material = material;
+  impl_->changes.note();
+}
+
+bool CollisionScene::repeats() const {
+  return typeid(*this) == typeid(CollisionScene) && impl_->collected == impl_->changes.value();
 }
 
 void CollisionScene::set_filter(ColliderId id, const Filter& filter) {
   impl_->colliders[impl_->checked(id, "set_filter")].def.filter = filter;
-  impl_->broad.look_again(id.index);
+  impl_->look_again(id.index);
   impl_->changes.note();
 }
 
@@ -247,16 +316,15 @@ void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& w
   const std::size_t first = out.size();
   m.update_order(world);
   m.broad.apart.update(world, [&](std::uint32_t body) { m.look_again_at(body); });
-  if (std::exchange(m.sleepers_moved, world.sleepers_moved()) != world.sleepers_moved()) {
-    for (Collider& collider : m.colliders) collider.asleep = false;
-  }
-  workers.for_chunks(m.colliders.size(), kColliderGrain,
+  m.update_watched(world);
+  workers.for_chunks(m.watched.size(), kColliderGrain,
                      [&](std::size_t begin, std::size_t end, int) {
-                       for (std::size_t i = begin; i < end; ++i) {
-                         if (m.colliders[i].alive) update_collider(m.colliders[i], world, dt);
+                       for (std::size_t k = begin; k < end; ++k) {
+                         Collider& collider = m.colliders[m.watched[k]];
+                         if (collider.alive) update_collider(collider, world, dt);
                        }
                      });
-  m.broad.update(m.colliders, dt, workers);
+  m.broad.update(m.colliders, m.watched, dt, workers);
   MotionLimiter::guard(m.colliders, m.broad.found());
   m.contacts.grow(m.broad.cache_slots());
   // Before there is anything to be copied, or to be there twice.
@@ -266,11 +334,14 @@ void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& w
 
   m.contacts.collect(m.colliders, m.broad.pairs(), m.options.recycle_angle, dt, workers, out);
   m.sum_stats(std::span(out).subspan(first));
+  m.leave_still(world);
+  m.collected = m.changes.value();
 }
 
 void CollisionScene::limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
                                   pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits) {
-  impl_->limiter.find(impl_->colliders, impl_->broad, world, after, workers, limits);
+  impl_->limiter.find(impl_->colliders, impl_->watched, impl_->broad, world, after, workers,
+                      limits);
 }
 
 void CollisionScene::remove_body(pbd::BodyId body) {
@@ -351,6 +422,7 @@ bool CollisionScene::Impl::load(pbd::ByteReader& in) {
 
 void CollisionScene::Impl::forget() {
   broad.reset();
+  seen = {};
   for (Collider& collider : colliders) collider.asleep = false;
 }
 

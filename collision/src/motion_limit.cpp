@@ -72,9 +72,11 @@ double turned_squared(const Collider& c, const pbd::Pose& to) {
 double turned(const Collider& c, const pbd::Pose& to) { return std::sqrt(turned_squared(c, to)); }
 
 /// m, how far any point of what cannot be pushed moves in this step, at most.
-double fastest_obstacle(std::span<const Collider> colliders, std::span<const pbd::Pose> after) {
+double fastest_obstacle(std::span<const Collider> colliders, std::span<const std::uint32_t> watched,
+                        std::span<const pbd::Pose> after) {
   double fastest = 0.0;
-  for (const Collider& c : colliders) {
+  for (const std::uint32_t i : watched) {
+    const Collider& c = colliders[i];
     if (!c.alive || c.dynamic || !c.finite || c.def.body.index >= after.size()) continue;
     const pbd::Pose& end = after[c.def.body.index];
     const double round = c.is_convex() ? turned(c, end) * c.reach : 0.0;
@@ -255,10 +257,13 @@ void MotionLimiter::limit_one(const Step& step, std::uint32_t index, Worker& wor
                    });
 }
 
-void MotionLimiter::mark_chained(const pbd::World& world) {
-  chained_.assign(world.states().size(), 0);
-  if (std::none_of(pace_.begin(), pace_.end(),
-                   [](std::uint8_t pace) { return pace >= kPaceFast; })) {
+void MotionLimiter::mark_chained(const pbd::World& world, std::span<const std::uint32_t> watched) {
+  const std::size_t bodies = world.states().size();
+  if (chained_.size() < bodies) chained_.resize(bodies, 0);
+  for (const std::uint32_t body : links_) chained_[body] = 0;
+  links_.clear();
+  if (std::none_of(watched.begin(), watched.end(),
+                   [&](std::uint32_t i) { return pace_[i] >= kPaceFast; })) {
     return;
   }
   edges_.clear();
@@ -266,11 +271,12 @@ void MotionLimiter::mark_chained(const pbd::World& world) {
     if (block.get() != world.contacts()) block->append_edges(edges_);
   }
   const auto moves = [&](std::uint32_t i) {
-    return i < chained_.size() && world.all_props()[i].type == pbd::BodyType::Dynamic;
+    return i < bodies && world.all_props()[i].type == pbd::BodyType::Dynamic;
   };
   for (const pbd::ConstraintEdge& edge : edges_) {
     if (moves(edge.body_a) && moves(edge.body_b)) {
       chained_[edge.body_a] = chained_[edge.body_b] = 1;
+      links_.insert(links_.end(), {edge.body_a, edge.body_b});
     }
   }
 }
@@ -354,19 +360,23 @@ void MotionLimiter::guard(std::span<Collider> colliders, std::span<const Collide
   }
 }
 
-void MotionLimiter::find(std::span<Collider> colliders, const BroadPhase& broad,
-                         const pbd::World& world, std::span<const pbd::Pose> after,
-                         pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits) {
+void MotionLimiter::find(std::span<Collider> colliders, std::span<const std::uint32_t> watched,
+                         const BroadPhase& broad, const pbd::World& world,
+                         std::span<const pbd::Pose> after, pbd::Workers& workers,
+                         std::vector<pbd::MotionLimit>& limits) {
   limits.clear();
   workers_.resize(std::max(workers_.size(), static_cast<std::size_t>(workers.count())));
   for (Worker& worker : workers_) {
     worker.limits.clear();
     worker.pairs.clear();
   }
-  pace_.assign(colliders.size(), kPaceIdle);
-  const double fastest = fastest_obstacle(colliders, after);
-  workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
+  if (pace_.size() < colliders.size()) pace_.resize(colliders.size(), kPaceIdle);
+  for (const std::uint32_t i : paced_) pace_[i] = kPaceIdle;
+  paced_.assign(watched.begin(), watched.end());
+  const double fastest = fastest_obstacle(colliders, watched, after);
+  workers.for_chunks(watched.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t i = watched[k];
       Collider& c = colliders[i];
       if (!may_be_limited(c, after.size())) continue;
       if (c.guarded > 0) --c.guarded;
@@ -375,12 +385,13 @@ void MotionLimiter::find(std::span<Collider> colliders, const BroadPhase& broad,
       pace_[i] = pace_of(c, after[body], world.all_props()[body].bullet, fastest);
     }
   });
-  mark_chained(world);
+  mark_chained(world, watched);
   const Step step{colliders, broad, world, after, pace_, chained_};
-  workers.for_chunks(colliders.size(), kChunk, [&](std::size_t begin, std::size_t end, int w) {
-    for (std::size_t i = begin; i < end; ++i) {
+  workers.for_chunks(watched.size(), kChunk, [&](std::size_t begin, std::size_t end, int w) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t i = watched[k];
       if (pace_[i] != kPaceIdle) {
-        limit_one(step, static_cast<std::uint32_t>(i), workers_[static_cast<std::size_t>(w)]);
+        limit_one(step, i, workers_[static_cast<std::size_t>(w)]);
       }
     }
   });

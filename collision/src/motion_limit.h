@@ -17,9 +17,10 @@ class MotionLimiter {
  public:
   /// Colliders that are near what is thin are guarded for a while.
   static void guard(std::span<Collider> colliders, std::span<const ColliderPair> near);
-  void find(std::span<Collider> colliders, const BroadPhase& broad, const pbd::World& world,
-            std::span<const pbd::Pose> after, pbd::Workers& workers,
-            std::vector<pbd::MotionLimit>& limits);
+  /// @param watched  those of bodies that may move are among them, ascending
+  void find(std::span<Collider> colliders, std::span<const std::uint32_t> watched,
+            const BroadPhase& broad, const pbd::World& world, std::span<const pbd::Pose> after,
+            pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits);
 
   struct Step;
 
@@ -39,16 +40,19 @@ class MotionLimiter {
     std::vector<std::uint32_t> list;
     std::vector<Vec3> arms;
   };
-  void mark_chained(const pbd::World& world);
+  void mark_chained(const pbd::World& world, std::span<const std::uint32_t> watched);
   void limit_one(const Step& step, std::uint32_t index, Worker& worker);
   void stop_pairs(const Step& step, std::vector<pbd::MotionLimit>& limits);
   void sort_pairs(const Step& step);
   bool stop_first(const Step& step, std::vector<Vec3>& arms);
 
   std::vector<Worker> workers_;
-  std::vector<std::uint8_t> pace_;  ///< by collider: how it goes in this step
+  /// By collider: how it goes in this step; what lies still stays idle.
+  std::vector<std::uint8_t> pace_;
+  std::vector<std::uint32_t> paced_;  ///< where that may not be idle
   /// By body slot: rows hold it to another movable body, which would not stop with it.
   std::vector<std::uint8_t> chained_;
+  std::vector<std::uint32_t> links_;  ///< where that is set
   std::vector<pbd::ConstraintEdge> edges_;
   std::vector<FastPair> pairs_;
   std::vector<double> stops_;  ///< by body slot: share of the step

@@ -3,6 +3,7 @@
 #include "body_buffer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "integrate.h"
 #include "tandem/pbd/contact.h"
@@ -58,16 +59,23 @@ void BodyBuffer::aim_kinematic(World& world, double dt) {
   }
 }
 
-void BodyBuffer::load(const World& world, Workers& workers) {
+void BodyBuffer::load(const World& world, std::span<const std::uint32_t> movers, Workers& workers) {
   const std::size_t count = world.states_.size();
   bodies_.resize(count);
   kinematic_.clear();
-  workers.for_chunks(count, kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      load_body(world.states_[i], world.props_[i], bodies_[i]);
-    }
+  const auto load = [&](std::uint32_t i) {
+    load_body(world.states_[i], world.props_[i], bodies_[i]);
+    bodies_[i].island = i;
+  };
+  changed_.swap(marked_);
+  marked_.clear();
+  all_ = !world.body_log_.read(seen_, [&](std::uint32_t i) { changed_.push_back(i); });
+  if (all_) changed_.clear();
+  for_changed(load);
+  workers.for_chunks(movers.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) load(movers[k]);
   });
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (const std::uint32_t i : movers) {
     if (world.props_[i].type == BodyType::Kinematic) kinematic_.push_back(i);
   }
 }
@@ -80,13 +88,19 @@ void BodyBuffer::mark_joined(const ConstraintEdges& edges) {
       if (edge.body_b != BodyId::kNone) mark(bodies_[edge.body_b]);
     }
   };
-  for_bodies(edges.projecting(), [](SolverBody& body) { body.projected = true; });
+  for_bodies(edges.projecting(), [&](SolverBody& body) {
+    if (body.inv_mass == 0.0 && !body.projected) {
+      marked_.push_back(static_cast<std::uint32_t>(&body - bodies_.data()));
+    }
+    body.projected = true;
+  });
   for_bodies(edges.all().subspan(edges.projecting().size()),
              [](SolverBody& body) { body.pushed = body.inv_mass > 0.0; });
 }
 
-int BodyBuffer::prepare(const World& world, std::span<const ConstraintEdge> edges,
-                        std::span<const Group> groups, Workers& workers) {
+int BodyBuffer::prepare(const World& world, std::span<const std::uint32_t> movers,
+                        std::span<const ConstraintEdge> edges, std::span<const Group> groups,
+                        Workers& workers) {
   bool all_turn = true;
   for (const Group& group : groups) {
     for (const std::uint32_t i : group.bodies) {
@@ -97,8 +111,9 @@ int BodyBuffer::prepare(const World& world, std::span<const ConstraintEdge> edge
     }
   }
   if (!all_turn) mark_turned(world, edges);
-  workers.for_chunks(bodies_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
+  workers.for_chunks(movers.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t i = movers[k];
       const bool solved = bodies_[i].group != SolverBody::kNoGroup && bodies_[i].turns;
       if (solved) refresh_inertia(bodies_[i], world.props_[i]);
     }
@@ -110,9 +125,9 @@ int BodyBuffer::prepare(const World& world, std::span<const ConstraintEdge> edge
   return count;
 }
 
-void BodyBuffer::keep_inertias() {
+void BodyBuffer::keep_inertias(std::span<const std::uint32_t> movers) {
   inertias_.resize(bodies_.size());
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i) keep_inertia(i);
+  for (const std::uint32_t i : movers) keep_inertia(i);
 }
 
 void BodyBuffer::renew_inertia(std::uint32_t slot, const BodyProps& props) {
@@ -173,6 +188,8 @@ void BodyBuffer::store(World& world, double dt, std::span<const Group> groups, S
   store_kinematic(world, dt, report);
   world.placements_.note();
   if (world.contacts_ != nullptr) mark_contacts(world);
+  // What is no number may have come to what cannot move as well.
+  if (report.status != StepStatus::Ok) seen_ = {};
 }
 
 /// The pose stays where the step began.
@@ -202,11 +219,13 @@ void BodyBuffer::store_kinematic(World& world, double dt, StepReport& report) {
 }
 
 void BodyBuffer::mark_contacts(World& world) {
-  std::fill(world.in_contact_.begin(), world.in_contact_.end(), std::uint8_t{0});
+  for (const std::uint32_t i : world.touching_) world.in_contact_[i] = 0;
+  world.touching_.clear();
   for (const Contact& contact : world.contacts_->contacts()) {
     if (!contact.loaded()) continue;
-    world.in_contact_[contact.manifold.body_a] = 1;
-    world.in_contact_[contact.manifold.body_b] = 1;
+    for (const std::uint32_t i : {contact.manifold.body_a, contact.manifold.body_b}) {
+      if (std::exchange(world.in_contact_[i], std::uint8_t{1}) == 0) world.touching_.push_back(i);
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -20,18 +21,28 @@ class BodyBuffer {
   /// Kinematic bodies with a target get the velocity that takes them there, in the world: whoever
   /// looks for contacts has to see it.
   static void aim_kinematic(World& world, double dt);
-  void load(const World& world, Workers& workers);
+  /// @param movers  what is loaded anew in each step; the rest where it has changed
+  void load(const World& world, std::span<const std::uint32_t> movers, Workers& workers);
+  /// Call visit(slot) for those that load() has loaded besides.
+  void for_changed(auto&& visit) const {
+    if (all_) {
+      for (std::uint32_t i = 0; i < bodies_.size(); ++i) visit(i);
+    }
+    for (const std::uint32_t i : changed_) visit(i);
+  }
   /// Which bodies have joints, and which ones rows that are solved later may move.
   void mark_joined(const ConstraintEdges& edges);
   /// Once it is known who is awake, joined and targeted: inertia of those that may turn.
-  /// @param edges  of all rows but contacts
+  /// @param movers  as load() has them
+  /// @param edges   of all rows but contacts
   /// @return how many those are
-  int prepare(const World& world, std::span<const ConstraintEdge> edges,
-              std::span<const Group> groups, Workers& workers);
+  int prepare(const World& world, std::span<const std::uint32_t> movers,
+              std::span<const ConstraintEdge> edges, std::span<const Group> groups,
+              Workers& workers);
   /// Inertia turns with what joints turn, within a substep. Contacts are solved with that of the
   /// pose that their rows were made for: where they moved a forearm by another one, sweeps grew
   /// without bound.
-  void keep_inertias();
+  void keep_inertias(std::span<const std::uint32_t> movers);
   void keep_inertia(std::uint32_t slot) {
     inertias_[slot] = {bodies_[slot].inv_inertia_w, bodies_[slot].q};
   }
@@ -46,6 +57,12 @@ class BodyBuffer {
   SolverBody& operator[](std::size_t slot) { return bodies_[slot]; }
   std::size_t size() const { return bodies_.size(); }
 
+  /// Whether a kinematic body is on its way.
+  bool any_moving() const {
+    return std::any_of(kinematic_.begin(), kinematic_.end(), [&](std::uint32_t i) {
+      return !bodies_[i].v.isZero(0.0) || !bodies_[i].w.isZero(0.0);
+    });
+  }
   void move_kinematic(double h);
   /// Back to where the step began: each group sees them move.
   void rewind_kinematic(const World& world);
@@ -61,6 +78,10 @@ class BodyBuffer {
   static void mark_contacts(World& world);
 
   std::vector<SolverBody> bodies_;
+  BodyLog::Mark seen_;  ///< of what does not move
+  bool all_ = false;    ///< everything was loaded
+  std::vector<std::uint32_t> changed_;
+  std::vector<std::uint32_t> marked_;  ///< bodies that cannot move and bear marks of this step
   struct KeptInertia {
     Mat3 inverse;
     Quat q;  ///< the body's, for which it is

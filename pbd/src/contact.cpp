@@ -160,12 +160,12 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   Impl& m = *impl_;
   m.forget_loads(ctx);
   m.put_in_sequence();
-  const auto arranged = m.support.arrange(m.contacts, m.sequence, ctx.bodies);
-  m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.gravity,
+  const auto arranged = m.support.arrange(m.contacts, m.sequence, ctx.bodies, ctx.movers);
+  m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.movers, ctx.gravity,
                   m.options.warm_start_gap, ctx.h);
-  m.order.build(arranged, ctx.bodies.size());
+  m.order.build(arranged, ctx.bodies.size(), ctx.movers);
   if (m.any_restitution) m.impacts.reserve(ctx.bodies.size());
-  m.pushed.assign(ctx.bodies.size(), 0);
+  m.pushed.resize(ctx.bodies.size());
   m.extra_rows = m.refined_rows = m.refused_rows = m.open_rows = 0;
   m.refined = {};
   m.least_substeps = ctx.substeps;
@@ -382,6 +382,7 @@ void ContactBlock::end_step(const SubstepContext& ctx, std::span<double> wanted)
                             }
                           });
   m.residual = *std::max_element(m.worst.begin(), m.worst.end());
+  for (const std::uint32_t i : ctx.movers) m.pushed[i] = 0;
   if (wanted.empty()) return;
   m.refused_rows = m.refinement.want(m.contacts, m.sequence, m.options.extra_rows, ctx, wanted);
 }

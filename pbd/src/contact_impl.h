@@ -37,9 +37,10 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   bool gone = false;                   ///< some contacts name no bodies any more
   std::vector<std::uint32_t> changed;  ///< bodies that lost a load, until the next step
   std::vector<ContactRows> room_for_rows;
-  std::span<ContactRows> rows;       ///< of the group that is solved, by place in the order
-  std::vector<std::uint8_t> pushed;  ///< by body: has v_push or w_push in this substep
-  std::vector<double> worst;         ///< m, by worker
+  std::span<ContactRows> rows;  ///< of the group that is solved, by place in the order
+  std::vector<std::uint8_t>
+      pushed;                 ///< by body: has v_push or w_push in this substep; 0 between steps
+  std::vector<double> worst;  ///< m, by worker
   ContactSupport support;
   ContactStatics statics;
   ContactOrder order;

@@ -43,8 +43,10 @@ void SweepPlan::add_level(std::uint32_t begin, std::uint32_t end) {
   starts_.push_back(static_cast<std::uint32_t>(chunks_.size()));
 }
 
-void ContactOrder::build(std::span<const ContactLink> sequence, std::size_t bodies) {
-  level_of_body_.assign(bodies, 0);
+void ContactOrder::build(std::span<const ContactLink> sequence, std::size_t bodies,
+                         std::span<const std::uint32_t> movers) {
+  level_of_body_.resize(bodies);
+  for (const std::uint32_t i : movers) level_of_body_[i] = 0;
   slots_.resize(sequence.size());
   level_count_.clear();
   // Levels: one above the rows before that share a body.

@@ -49,7 +49,9 @@ class ContactOrder {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   /// @param sequence  the order meant above     @param bodies  how many there are
-  void build(std::span<const ContactLink> sequence, std::size_t bodies);
+  /// @param movers  see SubstepContext::movers
+  void build(std::span<const ContactLink> sequence, std::size_t bodies,
+             std::span<const std::uint32_t> movers);
   /// `places(group)[kLanes * k + lane]` is the contact solved in that lane of block k of the group.
   std::span<const std::uint32_t> places(std::uint32_t group) const {
     if (group >= groups_) return {};

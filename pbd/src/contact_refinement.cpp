@@ -35,9 +35,11 @@ int ContactRefinement::want(std::span<const Contact> contacts,
                             const SubstepContext& ctx, std::span<double> wanted) {
   const double gravity = gravity_of(ctx);
   const double topples = ctx.gravity.norm();  // what floats does not
-  loads_.assign(ctx.bodies.size(), {});
-  for (std::uint32_t rank = 0; rank < ctx.bodies.size(); ++rank) {
-    const SolverBody& body = ctx.bodies[ctx.order.slot(rank)];
+  loads_.resize(ctx.bodies.size());
+  for (const std::uint32_t i : ctx.movers) loads_[i] = {};
+  const std::size_t places = ctx.order.natural() ? ctx.movers.size() : ctx.bodies.size();
+  for (std::uint32_t n = 0; n < places; ++n) {
+    const SolverBody& body = ctx.bodies[ctx.order.natural() ? ctx.movers[n] : ctx.order.slot(n)];
     if (body.group == SolverBody::kNoGroup) continue;
     Load& island = loads_[body.island];
     island.speed2 += body.v.squaredNorm();
@@ -63,7 +65,8 @@ int ContactRefinement::want(std::span<const Contact> contacts,
     island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / topples)));
   }
   double asked = 0.0;  // rows of all further substeps
-  for (Load& island : loads_) {
+  for (const std::uint32_t i : ctx.movers) {
+    Load& island = loads_[i];
     if (island.contacts == 0 || island.speed2 > kStanding * kStanding * island.bodies) continue;
     island.wanted =
         std::max(island.for_size, kSubstepsPerLoad * std::sqrt(island.ratio2 / island.contacts));
@@ -73,7 +76,7 @@ int ContactRefinement::want(std::span<const Contact> contacts,
   // Where all of them are too many each gets the same share, rounded down.
   const double share = std::min(1.0, budget / std::max(1.0, asked));
   double given = 0.0;
-  for (std::size_t i = 0; i < loads_.size(); ++i) {
+  for (const std::uint32_t i : ctx.movers) {
     if (!(loads_[i].wanted > ctx.substeps)) continue;
     const double most = ctx.substeps + share * (loads_[i].wanted - ctx.substeps);
     int substeps = ctx.substeps;

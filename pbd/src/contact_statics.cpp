@@ -46,7 +46,8 @@ ContactStatics::Rest ContactStatics::rest_of(const Contact& contact,
 
 void ContactStatics::guess(std::span<Contact> contacts, std::span<const ContactLink> arranged,
                            const ContactSupport& support, std::span<const SolverBody> bodies,
-                           const Vec3& gravity, double reach, double h) {
+                           std::span<const std::uint32_t> movers, const Vec3& gravity, double reach,
+                           double h) {
   const double g = gravity.norm();
   if (!(g > 0.0)) return;
   up_ = -gravity / g;
@@ -61,8 +62,12 @@ void ContactStatics::guess(std::span<Contact> contacts, std::span<const ContactL
     if (std::find(near.begin(), near.end(), true) != near.end()) new_contacts_.push_back(k);
   }
   if (new_contacts_.empty()) return;
-  missing_.assign(bodies.size(), 0.0);
-  count_.assign(bodies.size(), 0);
+  missing_.resize(bodies.size());
+  count_.resize(bodies.size());
+  for (const std::uint32_t i : movers) {
+    missing_[i] = 0.0;
+    count_[i] = 0;
+  }
   for (const std::uint32_t k : new_contacts_) {
     const std::uint32_t body = rest_of(contacts[arranged[k].contact], support).upper;
     if (count_[body]++ == 0)

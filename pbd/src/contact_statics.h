@@ -22,8 +22,8 @@ class ContactStatics {
   /// @param reach     m: points with a wider gap do not touch
   /// @param h         s, length of a substep
   void guess(std::span<Contact> contacts, std::span<const ContactLink> arranged,
-             const ContactSupport& support, std::span<const SolverBody> bodies, const Vec3& gravity,
-             double reach, double h);
+             const ContactSupport& support, std::span<const SolverBody> bodies,
+             std::span<const std::uint32_t> movers, const Vec3& gravity, double reach, double h);
 
  private:
   /// Which body a contact holds up, and which one carries it.

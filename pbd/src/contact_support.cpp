@@ -18,9 +18,10 @@ constexpr std::uint32_t kFixed = SolverBody::kNoGroup - 1;
 
 std::span<const ContactLink> ContactSupport::arrange(std::span<const Contact> contacts,
                                                      std::span<const std::uint32_t> sequence,
-                                                     std::span<const SolverBody> bodies) {
-  find_awake(contacts, sequence, bodies);
-  link();
+                                                     std::span<const SolverBody> bodies,
+                                                     std::span<const std::uint32_t> movers) {
+  find_awake(contacts, sequence, bodies, movers);
+  link(movers);
   const std::uint32_t farthest = measure();
   // Counting sort by the sum of both distances; equal ones stay in sequence.
   const auto rank = [&](const ContactLink& link) {
@@ -36,10 +37,11 @@ std::span<const ContactLink> ContactSupport::arrange(std::span<const Contact> co
 
 void ContactSupport::find_awake(std::span<const Contact> contacts,
                                 std::span<const std::uint32_t> sequence,
-                                std::span<const SolverBody> bodies) {
-  group_.clear();
-  for (const SolverBody& body : bodies) {
-    group_.push_back(body.inv_mass > 0.0 ? body.group : kFixed);
+                                std::span<const SolverBody> bodies,
+                                std::span<const std::uint32_t> movers) {
+  group_.resize(bodies.size(), kFixed);
+  for (const std::uint32_t i : movers) {
+    group_[i] = bodies[i].inv_mass > 0.0 ? bodies[i].group : kFixed;
   }
   awake_.clear();
   for (std::size_t n = 0; n < contacts.size(); ++n) {
@@ -55,14 +57,19 @@ void ContactSupport::find_awake(std::span<const Contact> contacts,
 }
 
 /// Who touches whom, and whose distance is known from the start.
-void ContactSupport::link() {
-  distance_.assign(group_.size(), kFar);
-  first_.assign(group_.size() + 1, 0);
+void ContactSupport::link(std::span<const std::uint32_t> movers) {
+  distance_.resize(group_.size());
+  first_.resize(group_.size());
+  end_.resize(group_.size());
+  for (const std::uint32_t i : movers) {
+    distance_[i] = kFar;
+    end_[i] = 0;
+  }
   queue_.clear();
   for (const ContactLink& link : awake_) {
     if (link.moves_a && link.moves_b) {
-      ++first_[link.a + 1];
-      ++first_[link.b + 1];
+      ++end_[link.a];
+      ++end_[link.b];
       continue;
     }
     for (const std::uint32_t body : {link.a, link.b}) {
@@ -74,16 +81,18 @@ void ContactSupport::link() {
       }
     }
   }
-  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
-  neighbours_.resize(first_.back());
+  std::uint32_t end = 0;
+  for (const std::uint32_t i : movers) {
+    end += end_[i];
+    first_[i] = end_[i] = end;
+    group_[i] = kFixed;
+  }
+  neighbours_.resize(end);
   for (const ContactLink& link : awake_) {
     if (!link.moves_a || !link.moves_b) continue;
-    neighbours_[first_[link.a]++] = link.b;
-    neighbours_[first_[link.b]++] = link.a;
+    neighbours_[--first_[link.a]] = link.b;
+    neighbours_[--first_[link.b]] = link.a;
   }
-  // Each has run on to where the next one begins.
-  for (std::size_t i = first_.size() - 1; i > 0; --i) first_[i] = first_[i - 1];
-  first_[0] = 0;
 }
 
 /// Breadth first: distances do not depend on the order of the queue.
@@ -92,7 +101,7 @@ std::uint32_t ContactSupport::measure() {
   for (std::size_t head = 0; head < queue_.size(); ++head) {
     const std::uint32_t body = queue_[head];
     farthest = distance_[body];
-    for (std::uint32_t n = first_[body]; n < first_[body + 1]; ++n) {
+    for (std::uint32_t n = first_[body]; n < end_[body]; ++n) {
       if (distance_[neighbours_[n]] != kFar) continue;
       distance_[neighbours_[n]] = farthest + 1;
       queue_.push_back(neighbours_[n]);

@@ -31,24 +31,28 @@ struct ContactLink {
 class ContactSupport {
  public:
   /// @param sequence  indices of contacts, the order among equals; empty = as they are
+  /// @param movers    see SubstepContext::movers
   /// @return those that are awake. No allocation once the world has had its size.
   std::span<const ContactLink> arrange(std::span<const Contact> contacts,
                                        std::span<const std::uint32_t> sequence,
-                                       std::span<const SolverBody> bodies);
+                                       std::span<const SolverBody> bodies,
+                                       std::span<const std::uint32_t> movers);
   /// Of a body that was in an arranged contact or cannot move, in contacts from what cannot move.
   std::uint32_t distance(std::uint32_t body) const { return distance_[body]; }
 
  private:
   void find_awake(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
-                  std::span<const SolverBody> bodies);
-  void link();
+                  std::span<const SolverBody> bodies, std::span<const std::uint32_t> movers);
+  void link(std::span<const std::uint32_t> movers);
   /// @return the largest distance
   std::uint32_t measure();
 
-  std::vector<std::uint32_t> group_;       ///< by body; kFixed where it cannot move
+  /// By body; kFixed where it cannot move, and everywhere between two calls.
+  std::vector<std::uint32_t> group_;
   std::vector<ContactLink> awake_;         ///< in sequence
   std::vector<std::uint32_t> distance_;    ///< by body, in contacts from what cannot move
-  std::vector<std::uint32_t> first_;       ///< by body, into neighbours_
+  std::vector<std::uint32_t> first_;       ///< by mover, into neighbours_
+  std::vector<std::uint32_t> end_;         ///< likewise
   std::vector<std::uint32_t> neighbours_;  ///< movable bodies in contact
   std::vector<std::uint32_t> queue_;
   std::vector<std::uint32_t> start_;  ///< by sum of distances, into places_

@@ -69,9 +69,11 @@ void stay_slow(BodyActivity& own, double dt, double sleep_after) {
 }  // namespace
 
 void Groups::arrange(const Rule& rule, const Islands& islands,
-                     std::span<const std::uint32_t> changed, std::span<const ConstraintEdge> edges,
-                     std::span<const PoseTarget> targets, std::span<const BodyProps> props,
-                     std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
+                     std::span<const std::uint32_t> movers, std::span<const std::uint32_t> changed,
+                     std::span<const ConstraintEdge> edges, std::span<const PoseTarget> targets,
+                     std::span<const BodyProps> props, std::span<BodyActivity> activity,
+                     std::span<SolverBody> bodies) {
+  movers_ = movers;
   const bool pushed = sum_islands(rule, islands, activity, bodies);
   leave_out_joined(edges, bodies);
   if (rule.sleep_after > 0.0) wake_islands(changed, targets, bodies);
@@ -82,13 +84,18 @@ void Groups::arrange(const Rule& rule, const Islands& islands,
 
 bool Groups::sum_islands(const Rule& rule, const Islands& islands,
                          std::span<const BodyActivity> activity, std::span<SolverBody> bodies) {
-  const auto count = static_cast<std::uint32_t>(bodies.size());
-  islands_.assign(count, {});
-  joined_.assign(count, 0);
+  const std::size_t count = bodies.size();
+  islands_.resize(count);
+  joined_.resize(count);
   movable_.resize(count);
+  for (const std::uint32_t i : movers_) {
+    islands_[i] = {};
+    joined_[i] = 0;
+  }
+  any_joined_ = false;
   const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   bool pushed = false;
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (const std::uint32_t i : movers_) {
     bodies[i].island = islands.of()[i];
     movable_[i] = bodies[i].inv_mass > 0.0 ? 1 : 0;
     if (movable_[i] == 0) {
@@ -96,7 +103,7 @@ bool Groups::sum_islands(const Rule& rule, const Islands& islands,
       continue;
     }
     if (is_copy(copies, i)) continue;
-    if (bodies[i].projected && bodies[i].pushed) joined_[bodies[i].island] = 1;
+    if (bodies[i].projected && bodies[i].pushed) joined_[bodies[i].island] = any_joined_ = true;
     IslandPart& island = islands_[bodies[i].island];
     const bool awake = activity[i].awake || rule.sleep_after == 0.0;
     island.awake = island.awake || awake || moves(bodies[i]);
@@ -108,7 +115,7 @@ bool Groups::sum_islands(const Rule& rule, const Islands& islands,
 
 void Groups::leave_out_joined(std::span<const ConstraintEdge> edges,
                               std::span<const SolverBody> bodies) {
-  if (std::find(joined_.begin(), joined_.end(), 1) == joined_.end()) return;
+  if (!any_joined_) return;
   for (const ConstraintEdge& edge : edges) {
     if (edge.repeats) continue;
     for (const std::uint32_t end : {edge.body_a, edge.body_b}) {
@@ -130,9 +137,10 @@ void Groups::wake_islands(std::span<const std::uint32_t> changed,
 
 void Groups::form_groups(const Rule& rule, const Islands& islands, std::span<const BodyProps> props,
                          std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
-  const auto count = static_cast<std::uint32_t>(bodies.size());
-  levels_.assign(count, 0);
-  for (std::uint32_t i = 0; i < count; ++i) {
+  const std::size_t count = bodies.size();
+  levels_.resize(count);
+  for (const std::uint32_t i : movers_) {
+    levels_[i] = 0;
     const IslandPart& island = islands_[i];
     if (island.bodies == 0) continue;
     levels_[i] =
@@ -142,14 +150,15 @@ void Groups::form_groups(const Rule& rule, const Islands& islands, std::span<con
     return movable_[i] != 0 && islands_[islands.of()[i]].awake;
   };
   std::array<std::size_t, kMaxLevel + 1> in_level{};
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (const std::uint32_t i : movers_) {
     if (is_awake(i)) ++in_level[levels_[islands.of()[i]]];
   }
   groups_.clear();
   group_of_.resize(count);
   for (std::uint8_t level = 0; level <= kMaxLevel; ++level) {
     std::size_t open = count;  // the group that takes islands: none yet
-    for (std::uint32_t i = 0; in_level[level] > 0 && i < count; ++i) {
+    if (in_level[level] == 0) continue;
+    for (const std::uint32_t i : movers_) {
       if (islands.of()[i] != i || levels_[i] != level || !is_awake(i)) continue;
       // An island that goes on in another world is solved there in the group of the same number.
       const bool whole = rule.coupling != nullptr;
@@ -178,7 +187,7 @@ void Groups::fill_groups(const Islands& islands, std::span<const BodyProps> prop
                          std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   for (Group& group : groups_) group.size = 0;
   const auto for_awake = [&](auto&& visit) {
-    for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    for (const std::uint32_t i : movers_) {
       const std::uint32_t island = islands.of()[i];
       if (movable_[i] != 0 && islands_[island].awake) visit(i, group_of_[island]);
     }
@@ -217,8 +226,8 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
     return;
   }
-  const auto count = static_cast<std::uint32_t>(bodies.size());
-  sprung_.assign(count, 0);
+  sprung_.resize(bodies.size());
+  for (const std::uint32_t i : movers_) sprung_[i] = 0;
   if (rule.sleep_after > 0.0) judge_rest(edges, bodies);
   const std::span<const std::uint8_t> copies = copies_of(rule.coupling);
   const double share = rule.sleep_after > 0.0 ? dt / (kSteady * rule.sleep_after) : 1.0;
@@ -230,7 +239,7 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
   };
   // By its places, as what trembles moves nothing: pushed out of an overlap and falling back within
   // each step it would have a speed.
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (const std::uint32_t i : movers_) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
     IslandPart& island = islands_[islands.of()[i]];
     island.wanted = std::max(island.wanted, wanted[i]);
@@ -249,7 +258,7 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     island.sleepy = island.sleepy && props[i].can_sleep && own.low_speed_time >= rule.sleep_after;
   }
   if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (const std::uint32_t i : movers_) {
     if (bodies[i].group == SolverBody::kNoGroup) continue;
     const IslandPart& island = islands_[islands.of()[i]];
     const std::uint8_t island_level = levels_[islands.of()[i]];

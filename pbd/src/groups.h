@@ -42,11 +42,12 @@ class Groups {
 
   /// Wake what is disturbed, put the others into groups by level and write each body's island and
   /// group.
+  /// @param movers   all that may be movable, ascending; also of settle() after it
   /// @param changed  bodies whose rows were changed
-  void arrange(const Rule& rule, const Islands& islands, std::span<const std::uint32_t> changed,
-               std::span<const ConstraintEdge> edges, std::span<const PoseTarget> targets,
-               std::span<const BodyProps> props, std::span<BodyActivity> activity,
-               std::span<SolverBody> bodies);
+  void arrange(const Rule& rule, const Islands& islands, std::span<const std::uint32_t> movers,
+               std::span<const std::uint32_t> changed, std::span<const ConstraintEdge> edges,
+               std::span<const PoseTarget> targets, std::span<const BodyProps> props,
+               std::span<BodyActivity> activity, std::span<SolverBody> bodies);
   std::span<const Group> all() const { return groups_; }
 
   /// After the step: levels for the next one, and who falls asleep.
@@ -76,7 +77,9 @@ class Groups {
   /// What is held, driven or sprung.
   void judge_rest(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
 
-  std::vector<IslandPart> islands_;  ///< by the index of the lowest body
+  std::span<const std::uint32_t> movers_;  ///< of this step; what else is in the lists is not read
+  bool any_joined_ = false;                ///< of joined_
+  std::vector<IslandPart> islands_;        ///< by the index of the lowest body
   /// Likewise: the mean of its bodies' levels, rounded. A few refined bodies that fall on a heap do
   /// not refine the heap.
   std::vector<std::uint8_t> levels_;

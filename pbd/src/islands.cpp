@@ -7,10 +7,10 @@
 namespace tandem::pbd {
 
 // Union-find in place: a body's entry is its parent until build() has made it the root.
-void Islands::build(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies) {
-  const auto count = static_cast<std::uint32_t>(bodies.size());
-  island_of_.resize(count);
-  for (std::uint32_t i = 0; i < count; ++i) island_of_[i] = i;
+void Islands::build(std::span<const ConstraintEdge> edges, std::span<const std::uint32_t> movers,
+                    std::span<const SolverBody> bodies) {
+  island_of_.resize(bodies.size());
+  for (const std::uint32_t i : movers) island_of_[i] = i;
   const auto moves = [&](std::uint32_t body) {
     return body != BodyId::kNone && bodies[body].inv_mass > 0.0;
   };
@@ -20,7 +20,7 @@ void Islands::build(std::span<const ConstraintEdge> edges, std::span<const Solve
     const std::uint32_t root_b = root_of(edge.body_b);
     if (root_a != root_b) island_of_[std::max(root_a, root_b)] = std::min(root_a, root_b);
   }
-  for (std::uint32_t i = 0; i < count; ++i) island_of_[i] = root_of(i);
+  for (const std::uint32_t i : movers) island_of_[i] = root_of(i);
 }
 
 std::uint32_t Islands::root_of(std::uint32_t i) {

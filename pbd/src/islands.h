@@ -14,9 +14,12 @@ namespace tandem::pbd {
 /// separates islands.
 class Islands {
  public:
-  void build(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
+  /// @param movers  all that may be movable, ascending
+  void build(std::span<const ConstraintEdge> edges, std::span<const std::uint32_t> movers,
+             std::span<const SolverBody> bodies);
 
-  /// By body: the lowest index of a body of its island; its own where nothing joins it.
+  /// By body that is a mover: the lowest index of a body of its island; its own where nothing joins
+  /// it.
   std::span<const std::uint32_t> of() const { return island_of_; }
 
  private:

@@ -10,6 +10,7 @@
 namespace tandem::pbd {
 
 const StepReport& Solver::Impl::step(World& world, double dt) {
+  if (rests(world, dt)) return pass_by(world);
   begin_step(world, dt);
   for (std::uint32_t group = 0; group < groups_.all().size(); ++group) {
     begin_group(group);
@@ -29,6 +30,7 @@ const StepReport& Solver::Impl::step(World& world, double dt) {
 
 const StepReport& Solver::Impl::refuse() {
   report_ = {};
+  rest_.steps = 0;
   report_.status = StepStatus::InvalidStep;
   return report_;
 }

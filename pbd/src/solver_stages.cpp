@@ -4,6 +4,7 @@
 // The stages of a step, in their order, and below them the parts that they are made of.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "contact_row.h"
 #include "contact_rows.h"
@@ -46,6 +47,35 @@ bool usable(const Manifold& m, const World& world) {
 
 }  // namespace
 
+bool Solver::Impl::rests(const World& world, double dt) const {
+  constexpr int kRepeats = 2;
+  if (rest_.steps < kRepeats || dt != dt_ || !world.body_log_.is_quiet(rest_.since)) return false;
+  if (world.target_source_ != nullptr || world.island_coupling_ != nullptr) return false;
+  if (world.contact_source_ != nullptr && !world.contact_source_->repeats()) return false;
+  // Rows of other kinds change without the world's knowing.
+  return std::all_of(world.blocks_.begin(), world.blocks_.end(), [&](const auto& block) {
+    return block.get() == world.contacts_ || block->empty();
+  });
+}
+
+const StepReport& Solver::Impl::pass_by(World& world) {
+  world.time_ += dt_;
+  report_.ran = {};
+  report_.stage_s = {};
+  return report_;
+}
+
+void Solver::Impl::note_rest() {
+  const bool still = groups_.all().empty() && !bodies_.any_moving();
+  const bool quiet = still && world_->body_log_.is_quiet(rest_.since) &&
+                     world_->target_source_ == nullptr && options_.sleep_after > 0.0 &&
+                     report_.status == StepStatus::Ok;
+  rest_.steps = quiet ? rest_.steps + 1 : 0;
+  // Whoever has seen the world rest, another solver maybe, sees that it does so no more.
+  if (!still) world_->note(movers_.front());
+  world_->body_log_.read(rest_.since, [](std::uint32_t) {});
+}
+
 void Solver::Impl::begin_step(World& world, double dt) {
   world_ = &world;
   dt_ = dt;
@@ -54,13 +84,15 @@ void Solver::Impl::begin_step(World& world, double dt) {
   BodyBuffer::aim_kinematic(world, dt);
   detect();
   if (world.contact_source_ != nullptr) end_stage(Stage::Detect);
-  bodies_.load(world, workers_);
+  load_bodies();
   collect_targets();
   arrange_groups();
-  report_.turning = bodies_.prepare(world, edges_.without_contacts(), groups_.all(), workers_);
-  if (projects_) bodies_.keep_inertias();
+  report_.turning =
+      bodies_.prepare(world, movers_, edges_.without_contacts(), groups_.all(), workers_);
+  if (projects_) bodies_.keep_inertias(movers_);
   list_parts();
   context_ = {.bodies = bodies_.all(),
+              .movers = movers_,
               .h = dt / options_.substeps,
               .substeps = options_.substeps,
               .joint_tolerance = options_.joint_tolerance,
@@ -191,7 +223,8 @@ void Solver::Impl::end_step() {
   SubstepContext context = context_;
   context.h = dt_;
   context.substeps = options_.substeps;
-  wanted_.assign(bodies_.size(), 0.0);
+  wanted_.resize(bodies_.size());
+  for (const std::uint32_t i : movers_) wanted_[i] = 0.0;
   const std::span<double> wanted = report_.parts.refinement ? wanted_ : std::span<double>{};
   for_blocks([&](ConstraintBlock& block) { block.end_step(context, wanted); });
   // What rows did in this step decides who rests; a world that sleeps does not ask.
@@ -201,6 +234,8 @@ void Solver::Impl::end_step() {
   limit_motion();
   bodies_.store(*world_, dt_, groups_.all(), report_);
   world_->wrenches_.clear();
+  note_rest();
+  world_->body_log_.end_step();
   world_->time_ += dt_;
   for (const auto& block : world_->blocks_) {
     if (!block->empty()) report_.blocks.push_back(block->report());
@@ -291,6 +326,23 @@ void Solver::Impl::detect() {
   world_->contacts_->set_manifolds(manifolds_);
 }
 
+void Solver::Impl::load_bodies() {
+  movers_ = world_->movers();
+  if (world_->island_coupling_ != nullptr) {
+    every_slot_.resize(world_->slot_count());
+    std::iota(every_slot_.begin(), every_slot_.end(), 0u);
+    movers_ = every_slot_;
+  }
+  bodies_.load(*world_, movers_, workers_);
+  // Where what does not move is; limit_motion() sets the others.
+  if (world_->contact_source_ == nullptr) return motion_.after.clear();
+  const auto set = [&](std::uint32_t i) { motion_.after[i] = {bodies_[i].x, bodies_[i].q}; };
+  const bool fresh = motion_.after.empty();
+  motion_.after.resize(bodies_.size());
+  if (!fresh) return bodies_.for_changed(set);
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i) set(i);
+}
+
 void Solver::Impl::collect_targets() {
   pose_targets_.clear();
   if (world_->target_source_ != nullptr) {
@@ -310,20 +362,20 @@ void Solver::Impl::note_gaps() {
   bool gaps = false;
   for_blocks([&](const ConstraintBlock& block) { gaps = gaps || block.has_gaps(); });
   if (!gaps) return;
-  targets_.mark_gaps(edges_.without_contacts(), bodies_.all());
+  targets_.mark_gaps(edges_.without_contacts(), movers_, bodies_.all());
   context_.shared = true;
 }
 
 void Solver::Impl::arrange_groups() {
   edges_.list(*world_);
-  islands_.build(edges_.all(), bodies_.all());
+  islands_.build(edges_.all(), movers_, bodies_.all());
   bodies_.mark_joined(edges_);
   changed_.clear();
   for (const auto& block : world_->blocks_) block->take_changed(changed_);
   note_new_overlaps();
-  groups_.arrange(group_rule(), islands_, changed_, edges_.all(), pose_targets_, world_->props_,
-                  world_->activity_, bodies_.all());
-  if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.all());
+  groups_.arrange(group_rule(), islands_, movers_, changed_, edges_.all(), pose_targets_,
+                  world_->props_, world_->activity_, bodies_.all());
+  if (!targets_.empty()) targets_.mark_islands(islands_.of(), movers_, bodies_.all());
   report_.groups = static_cast<int>(groups_.all().size());
   report_.awake = 0;
   for (const Group& group : groups_.all()) report_.awake += static_cast<int>(group.bodies.size());
@@ -361,8 +413,7 @@ Groups::Rule Solver::Impl::group_rule() const {
 
 void Solver::Impl::limit_motion() {
   if (world_->contact_source_ == nullptr || groups_.all().empty()) return;
-  motion_.after.resize(bodies_.size());
-  for (std::size_t i = 0; i < bodies_.size(); ++i) motion_.after[i] = {bodies_[i].x, bodies_[i].q};
+  for (const std::uint32_t i : movers_) motion_.after[i] = {bodies_[i].x, bodies_[i].q};
   world_->contact_source_->limit_motion(*world_, motion_.after, workers_, motion_.limits);
   for (const MotionLimit& limit : motion_.limits) {
     if (limit.body >= bodies_.size()) continue;

@@ -56,36 +56,39 @@ void Targets::begin_step(std::span<const PoseTarget> targets, std::span<SolverBo
   }
 }
 
-void Targets::mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies) {
+void Targets::mark_islands(std::span<const std::uint32_t> island_of,
+                           std::span<const std::uint32_t> movers, std::span<SolverBody> bodies) {
   row_of_.assign(bodies.size(), BodyId::kNone);
   marked_.assign(bodies.size(), 0);
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     row_of_[rows_[k].body] = static_cast<std::uint32_t>(k);
     marked_[island_of[rows_[k].body]] = 1;
   }
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
+  for (const std::uint32_t i : movers) {
     const bool in = bodies[i].is_solved() && marked_[island_of[i]] != 0;
     bodies[i].shared = bodies[i].agreed = bodies[i].held = in;
   }
 }
 
-void Targets::mark_gaps(std::span<const ConstraintEdge> joints, std::span<SolverBody> bodies) {
+void Targets::mark_gaps(std::span<const ConstraintEdge> joints,
+                        std::span<const std::uint32_t> movers, std::span<SolverBody> bodies) {
   closes_gaps_ = true;
-  sets_.build(joints, bodies);
+  sets_.build(joints, movers, bodies);
   const std::span<const std::uint32_t> set_of = sets_.of();
   if (rows_.empty()) row_of_.assign(bodies.size(), BodyId::kNone);
   marked_.assign(bodies.size(), 0);
-  for (const SolverBody& body : bodies) {
-    if (body.held && !body.agreed) marked_[body.island] = 1;
+  for (const std::uint32_t i : movers) {
+    if (bodies[i].held && !bodies[i].agreed) marked_[bodies[i].island] = 1;
   }
-  for (SolverBody& body : bodies) {
+  for (const std::uint32_t i : movers) {
+    SolverBody& body = bodies[i];
     body.held = body.is_solved() && (body.agreed || marked_[body.island] != 0);
   }
   marked_.assign(bodies.size(), 0);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
+  for (const std::uint32_t i : movers) {
     if (bodies[i].shared && !bodies[i].held) marked_[set_of[i]] = 1;
   }
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
+  for (const std::uint32_t i : movers) {
     SolverBody& body = bodies[i];
     body.shared = body.is_solved() && (body.held || marked_[set_of[i]] != 0);
   }

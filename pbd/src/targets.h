@@ -32,10 +32,12 @@ class Targets {
   /// Mark every body that is awake and joined or in touch with a targeted one, or with one that is
   /// marked already.
   /// @param island_of  by body
-  void mark_islands(std::span<const std::uint32_t> island_of, std::span<SolverBody> bodies);
+  void mark_islands(std::span<const std::uint32_t> island_of, std::span<const std::uint32_t> movers,
+                    std::span<SolverBody> bodies);
   /// Mark every body that is awake and that joints hold to one that is marked for its gap, and the
   /// islands of those that are held for others.
-  void mark_gaps(std::span<const ConstraintEdge> joints, std::span<SolverBody> bodies);
+  void mark_gaps(std::span<const ConstraintEdge> joints, std::span<const std::uint32_t> movers,
+                 std::span<SolverBody> bodies);
 
   /// The methods below concern the bodies of this group, until the next call.
   void select_group(const Group& group, std::span<const SolverBody> bodies);

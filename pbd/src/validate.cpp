@@ -43,9 +43,10 @@ void require(bool ok, std::string_view kind, std::string_view field, double valu
 
 void require_in(double low, double high, std::string_view kind, std::string_view field,
                 double value, std::string_view unit) {
+  if (value >= low && value <= high) return;  // before there is any text
   std::string rule = "from " + value_text(low) + " to " + value_text(high);
   if (!unit.empty()) rule.append(" ").append(unit);
-  require(value >= low && value <= high, kind, field, value, rule);
+  require(false, kind, field, value, rule);
 }
 
 void require_finite(const Vec3& value, std::string_view kind, std::string_view field) {

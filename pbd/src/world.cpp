@@ -14,14 +14,12 @@
 #include "tandem/pbd/validate.h"
 
 namespace tandem::pbd {
-namespace {
-
-void wake_up(BodyActivity& activity) {
+void World::wake_up(std::uint32_t index) {
+  BodyActivity& activity = activity_[index];
+  if (!activity.awake || props_[index].type != BodyType::Dynamic) note(index);
   activity.awake = true;
   activity.stir();
 }
-
-}  // namespace
 
 World::World(const WorldDef& def) { set_gravity(def.gravity); }
 World::~World() = default;
@@ -58,6 +56,7 @@ BodyId World::add_body(const BodyDef& def) {
   if (def.stable_id) by_stable_id_.emplace(*def.stable_id, index);
   order_is_old_ = true;
   placements_.note();
+  note(index);
   states_[index].pose = def.pose;
   states_[index].pose.orientation.normalize();
   states_[index].twist = def.type == BodyType::Static ? Twist{} : def.twist;
@@ -77,6 +76,7 @@ void World::remove_body(BodyId id) {
   if (props_[index].stable_id) by_stable_id_.erase(*props_[index].stable_id);
   order_is_old_ = true;
   placements_.note();
+  note(index);
   props_[index] = {};
   states_[index] = {};
   slots_.release(index);
@@ -155,6 +155,7 @@ void World::set_kinematic_target(BodyId id, const Pose& pose) {
   KinematicTarget target{index, pose};
   target.pose.orientation.normalize();
   kinematic_targets_.set(target);
+  note(index);
 }
 
 void World::set_damping(BodyId id, double linear, double angular) {
@@ -190,6 +191,7 @@ void World::set_mass(BodyId id, double mass, const Mat3& inertia) {
   props.inertia = made.inertia;
   props.inverse_inertia = made.inverse_inertia;
   props.principal = made.principal;
+  note(index);
   kinematic_targets_.remove(index);
   wake(id);
   wake_joined(index);
@@ -213,6 +215,7 @@ void World::set_type(BodyId id, BodyType type) {
   props.inertia.setZero();
   props.inverse_inertia.setZero();
   props.principal = {};
+  note(index);
   if (!wrenches_.empty()) wrenches_[index] = {};
   kinematic_targets_.remove(index);
   if (type == BodyType::Static) states_[index].twist = {};
@@ -315,26 +318,33 @@ void World::resume(BodyId id, const BodyState& state, const BodyActivity& activi
       before.orientation.coeffs() != state.pose.orientation.coeffs()) {
     placements_.note();
   }
+  if (!activity.awake || !activity_[index].awake || props_[index].type != BodyType::Dynamic) {
+    note(index);
+  }
   states_[index] = state;
   activity_[index] = activity;
 }
 
 void World::wake(BodyId id) {
   const std::uint32_t index = checked_index(id, "wake");
-  wake_up(activity_[index]);
+  wake_up(index);
   if (props_[index].type != BodyType::Dynamic) wake_joined(index);
 }
 
 void World::wake_joined(std::uint32_t index) {
   joined_.clear();
   for (const auto& block : blocks_) block->append_joined(index, joined_);
-  for (const std::uint32_t body : joined_) wake_up(activity_[body]);
+  for (const std::uint32_t body : joined_) wake_up(body);
 }
 
 void World::set_gravity(const Vec3& gravity) {
   detail::require_finite(gravity, "World", "gravity");
   gravity_ = gravity;
-  for (BodyActivity& activity : activity_) wake_up(activity);
+  for (BodyActivity& activity : activity_) {
+    activity.awake = true;
+    activity.stir();
+  }
+  body_log_.outdate();
 }
 
 void World::insert_block(std::unique_ptr<ConstraintBlock> block) {
@@ -366,13 +376,14 @@ void World::remove_block(const ConstraintBlock& block) {
   blocks_.erase(at);
   for (const std::uint32_t body : named) {
     // The world is kNone, and a snapshot's list of changes may name any number.
-    if (body < activity_.size()) wake_up(activity_[body]);
+    if (body < activity_.size()) wake_up(body);
   }
 }
 
 void World::set_contact_source(ContactSource* source) {
   if (source != nullptr && contacts_ == nullptr) contacts_ = &add_block<ContactBlock>();
   contact_source_ = source;
+  body_log_.outdate();
 }
 
 Correction World::correction(BodyId id) const {

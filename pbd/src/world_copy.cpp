@@ -66,6 +66,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
   to.time_ = from.time_;
   to.states_ = from.states_;
   to.placements_.note();
+  to.body_log_.outdate();
   to.props_ = from.props_;
   to.slots_.assign(from.slots_);
   // Assignment may make each node of a map anew.
@@ -75,6 +76,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
   to.order_is_old_ = from.order_is_old_;
   to.corrections_ = from.corrections_;
   to.in_contact_ = from.in_contact_;
+  to.touching_ = from.touching_;
   to.activity_ = from.activity_;
   to.sleepers_moved_ = from.sleepers_moved_;
   to.wrenches_ = from.wrenches_;
@@ -148,6 +150,7 @@ void WorldCopy::set_state(std::uint32_t slot, const BodyState& state, bool awake
   if (!awake && !stays_asleep) ++world_.sleepers_moved_;
   world_.states_[slot] = state;
   world_.placements_.note();
+  world_.note(slot);
   if (world_.props_[slot].type != BodyType::Dynamic) return;
   if (awake && !activity.awake) activity.stir();
   activity.awake = awake;

@@ -204,6 +204,7 @@ void World::restore(std::span<const std::byte> bytes) {
 
 bool World::read(ByteReader& in) {
   placements_.note();
+  body_log_.outdate();
   gravity_ = in.vec3();
   time_ = in.f64();
   const std::uint32_t slots = in.u32();
@@ -215,12 +216,14 @@ bool World::read(ByteReader& in) {
   props_.assign(slots, {});
   slots_.clear();
   in_contact_.assign(slots, 0);
+  touching_.clear();
   activity_.assign(slots, {});
   by_stable_id_.clear();
   order_is_old_ = true;
   for (std::uint32_t i = 0; i < slots; ++i) {
     slots_.load_slot(in);
     in_contact_[i] = in.u8();
+    if (in_contact_[i] != 0) touching_.push_back(i);
     load_body(FieldReader(in), props_[i], activity_[i], states_[i]);
     if (!body_is_sound(props_[i], activity_[i], states_[i])) return false;
     if (props_[i].type == BodyType::Dynamic) {

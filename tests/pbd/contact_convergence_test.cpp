@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #include "contact_convergence.h"
 
+#include <numeric>
+
 #include "support/catch.h"
 
 namespace contact_convergence_test {
@@ -38,7 +40,9 @@ struct Train {
       rows[k].t1[1].fill(1.0);
       rows[k].k_nn.fill(k > 0 ? 2.0 : 1.0);
     }
-    order.build(links, bodies.size());
+    std::vector<std::uint32_t> movers(bodies.size());
+    std::iota(movers.begin(), movers.end(), 0u);
+    order.build(links, bodies.size(), movers);
   }
   std::uint32_t count() const { return static_cast<std::uint32_t>(rows.size()); }
   void sweep() {

@@ -65,10 +65,11 @@ struct TANDEM_API CollisionOptions {
 /// What the last collect() did.
 struct TANDEM_API CollisionStats {
   std::size_t colliders = 0;
-  std::size_t searches = 0;  ///< boxes that were looked up among the others
-  std::size_t pairs = 0;     ///< whose fat boxes overlap
-  std::size_t queries = 0;   ///< asked of the narrow phase (one for each candidate triangle)
-  std::size_t recycled = 0;  ///< pairs that needed none
+  std::size_t looked_at = 0;  ///< of those: what lies still on a static body is not
+  std::size_t searches = 0;   ///< boxes that were looked up among the others
+  std::size_t pairs = 0;      ///< whose fat boxes overlap
+  std::size_t queries = 0;    ///< asked of the narrow phase (one for each candidate triangle)
+  std::size_t recycled = 0;   ///< pairs that needed none
   std::size_t manifolds = 0;
   std::size_t points = 0;
 };
@@ -132,6 +133,8 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
 
   void collect(const pbd::World& world, double dt, pbd::Workers& workers,
                std::vector<pbd::Manifold>& out) override;
+  /// Not for a class that is derived from this one.
+  bool repeats() const override;
   /// The last word against tunnelling: bodies that would get through something, whatever the
   /// contacts did. Of each collider whose middle moved further than a quarter of its least extent
   /// the inside, what is left without a layer as thick as that, is swept along its way, turning

@@ -74,6 +74,8 @@ enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
 /// What a block is told about the substep.
 struct TANDEM_API SubstepContext {
   std::span<SolverBody> bodies;
+  /// Those that may move, ascending: the bodies of all groups are among them.
+  std::span<const std::uint32_t> movers = {};
   double h = 0.0;                ///< s, length of the substep
   int substep = 0;               ///< index within the step
   int substeps = 1;              ///< of the group

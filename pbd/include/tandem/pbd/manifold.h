@@ -78,6 +78,10 @@ class TANDEM_API ContactSource {
   virtual void collect(const World& world, double dt, Workers& workers,
                        std::vector<Manifold>& out) = 0;
 
+  /// Whether collect() would say again what it said last, of a world whose bodies all rest as they
+  /// did then: it is not asked in a step in which nothing else happens either.
+  virtual bool repeats() const { return false; }
+
   /// The last word against tunnelling: called with the poses (by slot) at the end of a step, before
   /// they become the world's. Sets `limits` to the bodies that have to stop on their way, each
   /// once.

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tandem/pbd/body.h"
+#include "tandem/pbd/body_log.h"
 #include "tandem/pbd/change_count.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/export.h"
@@ -146,6 +147,13 @@ class TANDEM_API World {
   /// Another number than before where a body may have come, gone or been put elsewhere, by a step
   /// or by hand: who remembers where bodies are need not look at them all to see that they are.
   std::uint64_t placements() const { return placements_.value(); }
+  /// Slots of dynamic and kinematic bodies, ascending: all that a step looks at but for what
+  /// body_log() names.
+  std::span<const std::uint32_t> movers() const {
+    return body_log_.movers(
+        states_.size(), [&](std::uint32_t slot) { return props_[slot].type != BodyType::Static; });
+  }
+  const BodyLog& body_log() const { return body_log_; }
   /// By slot, without the generation check, for loops over all bodies.
   std::span<const BodyState> states() const { return states_; }
   std::span<const BodyProps> all_props() const { return props_; }
@@ -178,7 +186,10 @@ class TANDEM_API World {
   TargetSource* target_source() const { return target_source_; }
   /// Islands may go on in other worlds from the next step on; null: none does. The caller keeps it
   /// alive.
-  void set_island_coupling(IslandCoupling* coupling) { island_coupling_ = coupling; }
+  void set_island_coupling(IslandCoupling* coupling) {
+    island_coupling_ = coupling;
+    body_log_.outdate();
+  }
 
   /// What agreement did to a body in the last step; zeros where nothing was shared.
   Correction correction(BodyId id) const;
@@ -217,6 +228,9 @@ class TANDEM_API World {
   void add_wrench(std::uint32_t index, const Wrench& wrench, const char* what);
   /// N s and N m s about the centre of mass, likewise.
   void add_impulse(std::uint32_t index, const Wrench& impulse, const char* what);
+  /// Who has not seen the body for a while looks at it again.
+  void note(std::uint32_t index) { body_log_.note(index, states_.size()); }
+  void wake_up(std::uint32_t index);
   /// Wakes what rows hold to the body.
   void wake_joined(std::uint32_t index);
   /// What snapshot() wrote after its head. @return false where it cannot be a world's
@@ -234,9 +248,11 @@ class TANDEM_API World {
   mutable bool order_is_old_ = false;
   std::vector<Correction> corrections_;   ///< empty where no target was ever solved
   std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
+  std::vector<std::uint32_t> touching_;   ///< where in_contact_ is set; some may be there twice
   std::vector<BodyActivity> activity_;    ///< by slot
   std::uint64_t sleepers_moved_ = 0;
   ChangeCount placements_;
+  mutable BodyLog body_log_;             ///< brings its list up to date when it is asked for
   std::vector<Wrench> wrenches_;         ///< by slot, for the next step; empty where none acts
   KinematicTargets kinematic_targets_;   ///< for the next step
   std::vector<std::uint8_t> displaced_;  ///< by slot, before the next step; empty = none

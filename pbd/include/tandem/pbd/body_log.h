@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tandem/pbd/export.h"
+
+namespace tandem::pbd {
+
+/// Which bodies of a world may move, and what else has become another one: whoever remembers
+/// something of each body looks at those alone. What stands still or sleeps is named when it comes,
+/// goes, is woken, put elsewhere or given another type, and not again.
+class TANDEM_API BodyLog {
+ public:
+  /// How far somebody has read. An empty one has read nothing, and one of another world neither.
+  struct Mark {
+    std::shared_ptr<const std::byte> log;
+    std::uint64_t count = 0;
+  };
+
+  /// @param slots  of the world: a log of more entries than bodies is dropped
+  void note(std::uint32_t slot, std::size_t slots) {
+    constexpr std::size_t kLeast = 1024;
+    if (entries_.size() >= 2 * std::max(slots, kLeast)) outdate();
+    if (name_ == nullptr) name_ = std::make_shared<const std::byte>();
+    entries_.push_back(slot);
+  }
+  /// All may be different.
+  void outdate() {
+    if (name_ == nullptr) name_ = std::make_shared<const std::byte>();
+    base_ = count() + 1;
+    entries_.clear();
+    last_step_ = 0;
+    all_new_ = true;
+  }
+  /// A step has ended: what was noted before the one ahead of it goes.
+  void end_step() {
+    all_new_ = all_new_ || renewed_ < last_step_;
+    renewed_ -= std::min(renewed_, last_step_);
+    base_ += last_step_;
+    entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(last_step_));
+    last_step_ = entries_.size();
+    // A scene that is built names all its bodies at once, and never again so many.
+    constexpr std::size_t kKeep = 4096;
+    if (entries_.capacity() > kKeep && entries_.size() < kKeep / 4) {
+      std::vector<std::uint32_t>(entries_).swap(entries_);
+    }
+  }
+  /// Calls visit(slot) for all that was noted since, some of it more than once.
+  /// @return whether that is all; if not, everything has to be looked at
+  bool read(Mark& mark, auto&& visit) const {
+    const bool known = name_ != nullptr && mark.log == name_ && mark.count >= base_;
+    for (std::size_t i = known ? mark.count - base_ : entries_.size(); i < entries_.size(); ++i) {
+      visit(entries_[i]);
+    }
+    if (mark.log != name_) mark.log = name_;
+    mark.count = count();
+    return known;
+  }
+  /// Whether nothing was noted since.
+  bool is_quiet(const Mark& mark) const {
+    return name_ != nullptr && mark.log == name_ && mark.count == count();
+  }
+  /// Slots of bodies that may move, ascending.
+  /// @param moves  whether the body in a slot does; asked of what was noted
+  std::span<const std::uint32_t> movers(std::size_t slots, auto&& moves) {
+    if (all_new_) {
+      movers_.clear();
+      listed_.assign(slots, 0);
+      for (std::uint32_t i = 0; i < slots; ++i) list(i, moves(i));
+    } else if (renewed_ < entries_.size()) {
+      listed_.resize(slots, 0);
+      const std::size_t before = movers_.size();
+      bool gone = false;
+      for (; renewed_ < entries_.size(); ++renewed_) {
+        const std::uint32_t slot = entries_[renewed_];
+        gone = gone || (listed_[slot] != 0 && !moves(slot));
+        list(slot, moves(slot));
+      }
+      put_in_order(before, gone);
+    }
+    all_new_ = false;
+    renewed_ = entries_.size();
+    return movers_;
+  }
+
+ private:
+  std::uint64_t count() const { return base_ + entries_.size(); }
+  void list(std::uint32_t slot, bool moves) {
+    if (moves && listed_[slot] == 0) movers_.push_back(slot);
+    listed_[slot] = moves ? 1 : 0;
+  }
+  void put_in_order(std::size_t before, bool gone) {
+    const auto new_ones = movers_.begin() + static_cast<std::ptrdiff_t>(before);
+    std::sort(new_ones, movers_.end());
+    std::inplace_merge(movers_.begin(), new_ones, movers_.end());
+    if (!gone) return;
+    // What went and came again is there twice.
+    movers_.erase(std::unique(movers_.begin(), movers_.end()), movers_.end());
+    std::erase_if(movers_, [&](std::uint32_t slot) { return listed_[slot] == 0; });
+  }
+
+  std::shared_ptr<const std::byte> name_;  ///< of this log, for as long as somebody has a mark
+  std::vector<std::uint32_t> entries_;     ///< slots
+  std::uint64_t base_ = 0;                 ///< entries before the first one that is kept
+  std::size_t last_step_ = 0;              ///< entries that were there when the last step ended
+  std::vector<std::uint32_t> movers_;      ///< ascending
+  std::vector<std::uint8_t> listed_;       ///< by slot: among movers_
+  std::size_t renewed_ = 0;                ///< entries that movers_ knows of
+  bool all_new_ = true;                    ///< movers_ knows nothing
+};
+
+}  // namespace tandem::pbd
