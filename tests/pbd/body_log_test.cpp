@@ -36,7 +36,7 @@ std::set<std::uint32_t> read(const BodyLog& log, BodyLog::Mark& mark, bool& know
 }
 
 TEST_CASE("A log lists what may move, ascending, whatever comes and goes", "[body_log]") {
-  tandem::pbd::SplitMix random(7);
+  tandem::pbd::SplitMix64 random(7);
   BodyLog log;
   BodyLog::Mark mark;
   Model model;
