@@ -149,7 +149,7 @@ class TANDEM_API World {
   std::uint64_t placements() const { return placements_.value(); }
   /// Slots of dynamic and kinematic bodies, ascending: all that a step looks at but for what
   /// body_log() names.
-  std::span<const std::uint32_t> movers() const {
+  std::span<const std::uint32_t> movers() {
     return body_log_.movers(
         states_.size(), [&](std::uint32_t slot) { return props_[slot].type != BodyType::Static; });
   }
@@ -252,7 +252,7 @@ class TANDEM_API World {
   std::vector<BodyActivity> activity_;    ///< by slot
   std::uint64_t sleepers_moved_ = 0;
   ChangeCount placements_;
-  mutable BodyLog body_log_;             ///< brings its list up to date when it is asked for
+  BodyLog body_log_;
   std::vector<Wrench> wrenches_;         ///< by slot, for the next step; empty where none acts
   KinematicTargets kinematic_targets_;   ///< for the next step
   std::vector<std::uint8_t> displaced_;  ///< by slot, before the next step; empty = none
