@@ -61,7 +61,7 @@ TEST_CASE("A step looks at static bodies where they have changed, and at no othe
   CHECK(looked_at(scene) == 2);
   const BodyId more = scene.add(Box{{0.5, 0.5, 0.5}},
                                 {.type = BodyType::Static, .pose = {.position = {5.0, 5.0, -2.0}}});
-  run(scene, 2);
+  run(scene, 3);
   CHECK(looked_at(scene) == 1);
   // A tile that goes up is a step higher at once, one that is gone holds nothing.
   run(scene, 120);

@@ -26,8 +26,8 @@ class TANDEM_API BodyLog {
 
   /// @param slots  of the world: a log of more entries than bodies is dropped
   void note(std::uint32_t slot, std::size_t slots) {
-    constexpr std::size_t kLeast = 1024;
-    if (entries_.size() >= 2 * std::max(slots, kLeast)) outdate();
+    constexpr std::size_t kFewest = 1024;
+    if (entries_.size() >= 2 * std::max(slots, kFewest)) outdate();
     if (name_ == nullptr) name_ = std::make_shared<const std::byte>();
     entries_.push_back(slot);
   }
