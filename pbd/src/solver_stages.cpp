@@ -72,7 +72,7 @@ void Solver::Impl::note_rest() {
                      report_.status == StepStatus::Ok;
   rest_.steps = quiet ? rest_.steps + 1 : 0;
   // Whoever has seen the world rest, another solver maybe, sees that it does so no more.
-  if (!still) world_->note(movers_.front());
+  if (!still) world_->body_log_.stir();
   world_->body_log_.read(rest_.since, [](std::uint32_t) {});
 }
 

@@ -66,6 +66,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
   to.time_ = from.time_;
   to.states_ = from.states_;
   to.placements_.note();
+  to.body_log_.reserve(from.states_.size());
   to.body_log_.outdate();
   to.props_ = from.props_;
   to.slots_.assign(from.slots_);

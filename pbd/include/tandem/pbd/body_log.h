@@ -22,6 +22,7 @@ class TANDEM_API BodyLog {
   struct Mark {
     std::shared_ptr<const std::byte> log;
     std::uint64_t count = 0;
+    std::uint64_t stirred = 0;
   };
 
   /// @param slots  of the world: a log of more entries than bodies is dropped
@@ -31,6 +32,13 @@ class TANDEM_API BodyLog {
     if (name_ == nullptr) name_ = std::make_shared<const std::byte>();
     entries_.push_back(slot);
   }
+  /// For a world of so many slots: naming what moves allocates nothing then.
+  void reserve(std::size_t slots) {
+    movers_.reserve(slots);
+    listed_.reserve(slots);
+  }
+  /// A body is awake or moves.
+  void stir() { ++stirred_; }
   /// All may be different.
   void outdate() {
     if (name_ == nullptr) name_ = std::make_shared<const std::byte>();
@@ -61,11 +69,13 @@ class TANDEM_API BodyLog {
     }
     if (mark.log != name_) mark.log = name_;
     mark.count = count();
+    mark.stirred = stirred_;
     return known;
   }
-  /// Whether nothing was noted since.
+  /// Whether nothing was noted since, and no body stirred.
   bool is_quiet(const Mark& mark) const {
-    return name_ != nullptr && mark.log == name_ && mark.count == count();
+    return name_ != nullptr && mark.log == name_ && mark.count == count() &&
+           mark.stirred == stirred_;
   }
   /// Slots of bodies that may move, ascending.
   /// @param moves  whether the body in a slot does; asked of what was noted
@@ -109,6 +119,7 @@ class TANDEM_API BodyLog {
   std::shared_ptr<const std::byte> name_;  ///< of this log, for as long as somebody has a mark
   std::vector<std::uint32_t> entries_;     ///< slots
   std::uint64_t base_ = 0;                 ///< entries before the first one that is kept
+  std::uint64_t stirred_ = 0;              ///< steps in which a body was awake or moved
   std::size_t last_step_ = 0;              ///< entries that were there when the last step ended
   std::vector<std::uint32_t> movers_;      ///< ascending
   std::vector<std::uint8_t> listed_;       ///< by slot: among movers_
