@@ -22,8 +22,8 @@ struct PileOptions {
 };
 
 /// Small cubes in a square on the ground around the origin, and a big one beside them: 901 bodies,
-/// as many as in the demonstration that states were first sent by priority for (docs/network.md).
-/// Names: "big", "small/<row>/<column>".
+/// as many as in the demonstration that states were first sent by priority for
+/// (docs/history/network-figures.md). Names: "big", "small/<row>/<column>".
 ///
 /// Both users hold the big cube, one at each end of an axis that it can turn about, and roll it
 /// through the small ones, there and back; then they let go and all comes to rest.

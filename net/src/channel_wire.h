@@ -12,7 +12,7 @@
 
 namespace tandem::net {
 
-// What a protected packet holds, little-endian: a header and sections; docs/network.md ("Inside")
+// What a protected packet holds, little-endian: a header and sections; docs/protocol.md ("Inside")
 // has the tables.
 
 constexpr std::size_t kChannelHeader = 4 + 8 + 2;

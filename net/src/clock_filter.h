@@ -20,7 +20,7 @@ struct ClockSample {
 /// How far another clock is ahead of the own one, from the exchanges with its owner. Of each period
 /// the fastest way there and the fastest way back are kept, each by itself; the offset lies between
 /// two lines through the best of either. What is certain is an interval, kept over all exchanges
-/// and wider by kMaxDrift of what passes. docs/network.md ("Session time").
+/// and wider by kMaxDrift of what passes. docs/protocol.md ("Session time").
 class ClockFilter {
  public:
   static constexpr double kMaxDrift = 250e-6;  // between two crystals, each good to 100 ppm

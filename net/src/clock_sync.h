@@ -21,7 +21,7 @@ struct ClockClaim {
 
 /// The time of the session at one peer: the own clock, which nobody touches, plus a correction that
 /// follows one peer's session time, the reference: the connected peer of the lowest id, of those of
-/// the highest rank, and of those with whom most of the others agree. docs/network.md ("Session
+/// the highest rank, and of those with whom most of the others agree. docs/protocol.md ("Session
 /// time") says who takes over whose. Times in ns; "own" is the steady clock.
 class ClockSync {
  public:

@@ -14,7 +14,7 @@
 
 namespace tandem::net {
 
-// The four datagrams of a handshake, little-endian; docs/network.md has the tables. All begin with
+// The four datagrams of a handshake, little-endian; docs/protocol.md has the tables. All begin with
 //   u8 type,  u32 magic,  u16 version,  u64 nonce of the initiator
 // and keep that in every version, so that a disagreement can be explained.
 

@@ -10,7 +10,7 @@
 
 namespace tandem::net {
 
-/// How long datagrams may be on one way: RFC 8899 (DPLPMTUD), docs/network.md. Probes are padded
+/// How long datagrams may be on one way: RFC 8899 (DPLPMTUD), docs/protocol.md. Probes are padded
 /// packets that are acknowledged like others, one at a time. Sizes are bytes of UDP payload, times
 /// ns.
 class MtuSearch {

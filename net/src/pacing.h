@@ -62,7 +62,7 @@ struct CongestionOptions {
 };
 
 /// Chooses the rate of a link between its limits, once a period, from loss and delay. The rules are
-/// in docs/network.md ("Rate"): those on loss are of Google's congestion control
+/// in docs/protocol.md ("Rate"): those on loss are of Google's congestion control
 /// (draft-ietf-rmcat-gcc-02, Sec. 6), the one on delay is simpler, and the one on loss that is not
 /// ours is our own.
 class Congestion {

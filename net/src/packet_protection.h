@@ -13,7 +13,7 @@
 
 namespace tandem::net {
 
-// A protected packet, see docs/network.md:
+// A protected packet, see docs/protocol.md:
 //   u8 0x40 | epoch % 16,  u32 receiver,  u64 sequence,  sealed bytes,  16 bytes of tag.
 // The header is authenticated. Both directions have keys of their own.
 

@@ -11,7 +11,7 @@
 namespace tandem::net {
 
 /// Whether a peer receives at the address from which a packet of its has come, and nowhere else: it
-/// is asked there, under the keys of its connection, and answers. docs/network.md ("Moving") says
+/// is asked there, under the keys of its connection, and answers. docs/protocol.md ("Moving") says
 /// what whoever copies packets gains. Times in ns.
 class PathValidation {
  public:

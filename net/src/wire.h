@@ -18,7 +18,7 @@ namespace tandem::net {
 using consensus::PeerId;
 
 // The stream, little-endian:  u32 length | u8 type | payload,  length = 1 + payload bytes; with a
-// session key type and payload are sealed after KeyRequest and KeyReply, docs/network.md ("TCP").
+// session key type and payload are sealed after KeyRequest and KeyReply, docs/protocol.md ("TCP").
 // Dialler and listener say Hello and check the other's; the peer with the lower id then sends
 // Welcome, the other one answers with Welcome, and both are connected. Addresses of third peers
 // follow. Magic, version and peer id keep their place in every version, so that a refusal can be

@@ -27,7 +27,7 @@ constexpr double kFrame = 1.0 / 60.0;
 constexpr PeerId kSelf = 5;
 constexpr PeerId kHonest = 2;
 constexpr PeerId kFlooder = 3;
-/// States a second that docs/network.md promises to look at: of one body and 288 more, twice 60
+/// States a second that docs/protocol.md promises to look at: of one body and 288 more, twice 60
 /// times; and four times at once.
 constexpr double kRate = 2.0 * 60.0 * 289.0;
 constexpr double kAtOnce = 4.0 * 289.0;
@@ -294,7 +294,8 @@ TEST_CASE("peer: a million ids leave no more behind than two mebibytes", "[conse
   CHECK(in_use() < before + (std::size_t{2} << 20));
 }
 
-// What the limits above come to in time, for docs/network.md: never a test's business.
+// What the limits above come to in time, for docs/history/network-figures.md: never a test's
+// business.
 TEST_CASE("measure: processor time of a step under what one member sends", "[.measure]") {
   const auto tiny = StubTransport::packet_of(Leave{.stamp = 1});
   std::vector<std::byte> states;

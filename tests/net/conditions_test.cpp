@@ -131,7 +131,7 @@ TEST_CASE("conditions: over UDP a carried body is no further away than the news 
   for (const Condition& condition : kConditions) {
     CAPTURE(condition.name);
     // Where there is no want of rate: until the rate knows that a loss of 10 % and more is none, it
-    // is down to 50 kbit/s for 2.3 s, and nobody hears much (docs/network.md, Rate).
+    // is down to 50 kbit/s for 2.3 s, and nobody hears much (docs/protocol.md, Rate).
     const auto world = connected(condition, condition.kbit > 0.0 ? 32.0 : 1000.0);
     REQUIRE(linked(*world, 1, 2));
     NodeTransport lines[] = {{*world, 1}, {*world, 2}};

@@ -46,8 +46,8 @@ constexpr Periphery periphery(std::size_t votes) {
 /// How much each vote counts beside the others, by how far it is to all of them from there; in
 /// between on a line. No vote is outside because the others are few or far apart: of two clusters
 /// of the same weight both count, of three votes far apart all. Votes that are moved or turned
-/// together count the same. docs/network.md ("Who is believed") says what it is worth. Cost O(N^2),
-/// no allocation.
+/// together count the same. docs/protocol.md ("Who is believed") says what it is worth. Cost
+/// O(N^2), no allocation.
 void weigh_centrality(std::span<Vote> votes);
 
 /// Where another peer has a body, as seen from where it is here: m, rad, or both in metres.

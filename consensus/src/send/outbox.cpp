@@ -17,7 +17,8 @@ namespace {
 
 using pbd::Vec3;
 
-// docs/network.md ("States in few bytes") measures what all of these come to, at 64 and 256 kbit/s.
+// docs/history/network-figures.md ("States in few bytes") measures what all of these come to, at
+// 64 and 256 kbit/s.
 
 /// s: an error in velocity counts as what it comes to by then.
 constexpr double kExpectedFor = 0.05;

@@ -20,7 +20,7 @@ using pbd::Quat;
 using pbd::Vec3;
 using Int3 = Eigen::Vector3i;
 
-// Widths in bits, as docs/network.md has them.
+// Widths in bits, as docs/protocol.md has them.
 constexpr unsigned kIndexBits = 16;
 constexpr unsigned kNearGapBits = 4;
 constexpr unsigned kCellBits = 20;

@@ -12,7 +12,7 @@
 
 namespace tandem::consensus {
 
-// States in few bits, docs/network.md: bodies by an index that the sender has named before,
+// States in few bits, docs/protocol.md: bodies by an index that the sender has named before,
 // numbers rounded. About 27 bytes for a body that moves, 14 for one that rests, headers included in
 // full packets, where a StateUpdate in full takes 93.
 

@@ -65,7 +65,7 @@ enum class TimestampSource : std::uint8_t {
   Arrival,
 };
 
-/// Which states are sent, to each of the others, and in what form. docs/network.md has the rules.
+/// Which states are sent, to each of the others, and in what form. docs/protocol.md has the rules.
 struct TANDEM_API SendOptions {
   StateFormat format = StateFormat::Full;
   /// kbit/s to each of the others, and never more than the transport says that the way there bears

@@ -10,7 +10,7 @@
 namespace tandem::consensus {
 
 /// How far a member is believed that the transport has authenticated. What it may do all the same
-/// is in docs/network.md; of two peers neither can be shown to lie.
+/// is in docs/protocol.md; of two peers neither can be shown to lie.
 struct TANDEM_API RobustOptions {
   /// With two or more others, what is said far from the rest counts less, this peer's own copy
   /// being one of the votes, and nobody counts more than the next one: one of three or more who
@@ -24,7 +24,7 @@ struct TANDEM_API RobustOptions {
   double max_velocity_correction = 50.0;  ///< m/s
   double max_spin_correction = 200.0;     ///< rad/s
 
-  /// Of one other peer. How strong users' springs may be is the same for all, docs/network.md.
+  /// Of one other peer. How strong users' springs may be is the same for all, docs/protocol.md.
   int max_springs_per_body = 16;
   /// m/s: users' springs, own ones too, make a body no faster than this towards the hand; all peers
   /// of a session need the same. Infinity = no limit.

@@ -106,8 +106,8 @@ struct TANDEM_API StrangerStatus {
 ///   older process is refused.
 /// - Packet::received is of the system clock; round trips are not measured.
 /// - With a session key each connection begins with a key exchange, and each frame is encrypted and
-///   authenticated; docs/network.md says how. Without one, bytes are in the clear: this machine, or
-///   a trusted network or tunnel with `insecure`.
+///   authenticated; docs/protocol.md says how. Without one, bytes are in the clear: this machine,
+///   or a trusted network or tunnel with `insecure`.
 /// - A member may make this process dial addresses of its choice (loopback ones without key and
 ///   `insecure`).
 ///

@@ -94,7 +94,7 @@ struct TANDEM_API UdpRelayed {
   std::uint64_t refused = 0;  ///< no way there, over the budget of a link, or not wanted
 };
 
-/// Mesh over UDP, encrypted and authenticated; docs/network.md says how. Only in builds that have
+/// Mesh over UDP, encrypted and authenticated; docs/protocol.md says how. Only in builds that have
 /// found libsodium.
 ///
 /// - Newest: one packet each, at most max_packet_bytes(): 1154 to begin with, then as much as the

@@ -29,7 +29,7 @@ struct TANDEM_API LinkOptions {
   double stall_length = 1.0;            ///< s, mean; from 0 to twice that
   std::size_t queue_limit = 64 * 1024;  ///< bytes that may wait for the bandwidth
   /// Bytes of the longest state; longer ones are refused, as over UDP with a small MTU (502 at an
-  /// MTU of 576, see docs/network.md). Reliable packets are cut into pieces there.
+  /// MTU of 576, see docs/protocol.md). Reliable packets are cut into pieces there.
   std::size_t max_state_bytes = 64 * 1024;
 
   /// @throws std::invalid_argument naming field, value and rule
