@@ -35,7 +35,6 @@ struct Collider {
   bool active() const { return dynamic && !def.passive; }  ///< meets what is not, too
   bool still = false;           ///< at rest, and where it was in the last step
   bool asleep = false;          ///< its body is not solved
-  bool watched = false;         ///< in the scene's list of those that a step looks at
   bool local_identity = false;  ///< the shape's frame is the body's
   /// Steps for which every motion is looked at, not only fast ones: near thin walls, because what
   /// pushes a body out of one may push it to the wrong side.

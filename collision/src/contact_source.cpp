@@ -55,6 +55,7 @@ struct __attribute__((visibility("hidden"))) SceneState {
   /// Colliders that a step looks at, ascending: those of bodies that may move, and of the others
   /// those that have come, or whose body has changed, until they lie still.
   std::vector<std::uint32_t> watched;
+  std::vector<std::uint8_t> is_watched;  ///< by collider: in that list
   bool watched_in_order = true;
   pbd::BodyLog::Mark seen;  ///< of the world
   std::size_t sensor_count = 0;
@@ -125,7 +126,8 @@ void CollisionScene::Impl::look_again_at(std::uint32_t body) {
 }
 
 void CollisionScene::Impl::watch(std::uint32_t index) {
-  if (std::exchange(colliders[index].watched, true)) return;
+  is_watched.resize(colliders.size(), 0);
+  if (std::exchange(is_watched[index], std::uint8_t{1}) != 0) return;
   watched_in_order = watched_in_order && (watched.empty() || watched.back() < index);
   watched.push_back(index);
 }
@@ -133,8 +135,9 @@ void CollisionScene::Impl::watch(std::uint32_t index) {
 void CollisionScene::Impl::watch_all() {
   watched.clear();
   watched_in_order = true;
+  is_watched.resize(colliders.size());
   for (std::uint32_t i = 0; i < colliders.size(); ++i) {
-    colliders[i].watched = colliders[i].alive;
+    is_watched[i] = colliders[i].alive ? 1 : 0;
     if (colliders[i].alive) watched.push_back(i);
   }
 }
@@ -158,7 +161,7 @@ void CollisionScene::Impl::leave_still(const pbd::World& world) {
     const bool moves =
         c.alive && (!c.finite || !c.still ||
                     world.all_props()[c.def.body.index].type != pbd::BodyType::Static);
-    c.watched = moves;
+    is_watched[i] = moves ? 1 : 0;
     return !moves;
   });
 }
@@ -208,7 +211,6 @@ ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) 
   }
   made.generation = m.colliders[index].generation;
   made.added = m.added++;
-  made.watched = m.colliders[index].watched;
   made.rank = {index, made.def.body.index};
   made.dynamic = world.all_props()[made.def.body.index].type == pbd::BodyType::Dynamic;
   if (made.def.sensor) ++m.sensor_count;
@@ -230,10 +232,8 @@ void CollisionScene::remove(ColliderId id) {
   const std::uint32_t generation = collider.generation + 1;
   m.order_is_old = m.order_is_old || !m.natural_order;
   m.changes.note();
-  const bool watched = collider.watched;
   collider = {};
   collider.generation = generation;
-  collider.watched = watched;
   m.free.push_back(id.index);
 }
 

@@ -3,6 +3,7 @@
 #include "body_buffer.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "integrate.h"
@@ -59,8 +60,36 @@ void BodyBuffer::aim_kinematic(World& world, double dt) {
   }
 }
 
-void BodyBuffer::load(const World& world, std::span<const std::uint32_t> movers, Workers& workers) {
+bool BodyBuffer::rest(const World& world, double dt) const {
+  constexpr int kRepeats = 2;
+  if (rest_.steps < kRepeats || dt != rest_.dt || !world.body_log_.is_quiet(rest_.since))
+    return false;
+  if (world.target_source_ != nullptr || world.island_coupling_ != nullptr) return false;
+  if (world.contact_source_ != nullptr && !world.contact_source_->repeats()) return false;
+  // Rows of other kinds change without the world's knowing.
+  return std::all_of(world.blocks_.begin(), world.blocks_.end(), [&](const auto& block) {
+    return block.get() == world.contacts_ || block->empty();
+  });
+}
+
+void BodyBuffer::note_rest(World& world, double dt, bool still, bool may_rest) {
+  const bool quiet =
+      still && may_rest && world.body_log_.is_quiet(rest_.since) && world.target_source_ == nullptr;
+  rest_.steps = quiet ? rest_.steps + 1 : 0;
+  rest_.dt = dt;
+  // Whoever has seen the world rest, another solver maybe, sees that it does so no more.
+  if (!still) world.body_log_.stir();
+  world.body_log_.read(rest_.since, [](std::uint32_t) {});
+}
+
+void BodyBuffer::load(World& world, Workers& workers) {
   const std::size_t count = world.states_.size();
+  movers_ = world.movers();
+  if (world.island_coupling_ != nullptr) {
+    every_slot_.resize(count);
+    std::iota(every_slot_.begin(), every_slot_.end(), 0u);
+    movers_ = every_slot_;
+  }
   bodies_.resize(count);
   kinematic_.clear();
   const auto load = [&](std::uint32_t i) {
@@ -72,10 +101,10 @@ void BodyBuffer::load(const World& world, std::span<const std::uint32_t> movers,
   all_ = !world.body_log_.read(seen_, [&](std::uint32_t i) { changed_.push_back(i); });
   if (all_) changed_.clear();
   for_changed(load);
-  workers.for_chunks(movers.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) load(movers[k]);
+  workers.for_chunks(movers_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) load(movers_[k]);
   });
-  for (const std::uint32_t i : movers) {
+  for (const std::uint32_t i : movers_) {
     if (world.props_[i].type == BodyType::Kinematic) kinematic_.push_back(i);
   }
 }
@@ -98,9 +127,8 @@ void BodyBuffer::mark_joined(const ConstraintEdges& edges) {
              [](SolverBody& body) { body.pushed = body.inv_mass > 0.0; });
 }
 
-int BodyBuffer::prepare(const World& world, std::span<const std::uint32_t> movers,
-                        std::span<const ConstraintEdge> edges, std::span<const Group> groups,
-                        Workers& workers) {
+int BodyBuffer::prepare(const World& world, std::span<const ConstraintEdge> edges,
+                        std::span<const Group> groups, Workers& workers) {
   bool all_turn = true;
   for (const Group& group : groups) {
     for (const std::uint32_t i : group.bodies) {
@@ -111,9 +139,9 @@ int BodyBuffer::prepare(const World& world, std::span<const std::uint32_t> mover
     }
   }
   if (!all_turn) mark_turned(world, edges);
-  workers.for_chunks(movers.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
+  workers.for_chunks(movers_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t i = movers[k];
+      const std::uint32_t i = movers_[k];
       const bool solved = bodies_[i].group != SolverBody::kNoGroup && bodies_[i].turns;
       if (solved) refresh_inertia(bodies_[i], world.props_[i]);
     }
@@ -125,9 +153,9 @@ int BodyBuffer::prepare(const World& world, std::span<const std::uint32_t> mover
   return count;
 }
 
-void BodyBuffer::keep_inertias(std::span<const std::uint32_t> movers) {
+void BodyBuffer::keep_inertias() {
   inertias_.resize(bodies_.size());
-  for (const std::uint32_t i : movers) keep_inertia(i);
+  for (const std::uint32_t i : movers_) keep_inertia(i);
 }
 
 void BodyBuffer::renew_inertia(std::uint32_t slot, const BodyProps& props) {

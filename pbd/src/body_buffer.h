@@ -21,8 +21,19 @@ class BodyBuffer {
   /// Kinematic bodies with a target get the velocity that takes them there, in the world: whoever
   /// looks for contacts has to see it.
   static void aim_kinematic(World& world, double dt);
-  /// @param movers  what is loaded anew in each step; the rest where it has changed
-  void load(const World& world, std::span<const std::uint32_t> movers, Workers& workers);
+  /// Whether a step has nothing to do but to count time: all that it would look at rests as in
+  /// the last ones, which found nothing either. What rests is found once more as it was and then
+  /// repeats itself, the contacts of both bits for bits.
+  bool rest(const World& world, double dt) const;
+  /// After a step.
+  /// @param still  nobody was awake or moved     @param may_rest  nor anything else was done
+  void note_rest(World& world, double dt, bool still, bool may_rest);
+  /// The next step is a whole one.
+  void end_rest() { rest_.steps = 0; }
+  /// Movers anew in each step; the rest where it has changed.
+  void load(World& world, Workers& workers);
+  /// Bodies that may move, ascending; all of them where islands go on in other worlds.
+  std::span<const std::uint32_t> movers() const { return movers_; }
   /// Call visit(slot) for those that load() has loaded besides.
   void for_changed(auto&& visit) const {
     if (all_) {
@@ -33,16 +44,14 @@ class BodyBuffer {
   /// Which bodies have joints, and which ones rows that are solved later may move.
   void mark_joined(const ConstraintEdges& edges);
   /// Once it is known who is awake, joined and targeted: inertia of those that may turn.
-  /// @param movers  as load() has them
-  /// @param edges   of all rows but contacts
+  /// @param edges  of all rows but contacts
   /// @return how many those are
-  int prepare(const World& world, std::span<const std::uint32_t> movers,
-              std::span<const ConstraintEdge> edges, std::span<const Group> groups,
-              Workers& workers);
+  int prepare(const World& world, std::span<const ConstraintEdge> edges,
+              std::span<const Group> groups, Workers& workers);
   /// Inertia turns with what joints turn, within a substep. Contacts are solved with that of the
   /// pose that their rows were made for: where they moved a forearm by another one, sweeps grew
   /// without bound.
-  void keep_inertias(std::span<const std::uint32_t> movers);
+  void keep_inertias();
   void keep_inertia(std::uint32_t slot) {
     inertias_[slot] = {bodies_[slot].inv_inertia_w, bodies_[slot].q};
   }
@@ -78,6 +87,13 @@ class BodyBuffer {
   static void mark_contacts(World& world);
 
   std::vector<SolverBody> bodies_;
+  std::span<const std::uint32_t> movers_;
+  std::vector<std::uint32_t> every_slot_;  ///< where those are all
+  struct {
+    BodyLog::Mark since;  ///< of the world
+    int steps = 0;        ///< in which nobody was awake and nothing was noted
+    double dt = 0.0;      ///< s, of each
+  } rest_;
   BodyLog::Mark seen_;  ///< of what does not move
   bool all_ = false;    ///< everything was loaded
   std::vector<std::uint32_t> changed_;

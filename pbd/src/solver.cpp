@@ -10,7 +10,12 @@
 namespace tandem::pbd {
 
 const StepReport& Solver::Impl::step(World& world, double dt) {
-  if (rests(world, dt)) return pass_by(world);
+  if (bodies_.rest(world, dt)) {
+    world.time_ += dt;
+    report_.ran = {};
+    report_.stage_s = {};
+    return report_;
+  }
   begin_step(world, dt);
   for (std::uint32_t group = 0; group < groups_.all().size(); ++group) {
     begin_group(group);
@@ -30,7 +35,7 @@ const StepReport& Solver::Impl::step(World& world, double dt) {
 
 const StepReport& Solver::Impl::refuse() {
   report_ = {};
-  rest_.steps = 0;
+  bodies_.end_rest();
   report_.status = StepStatus::InvalidStep;
   return report_;
 }

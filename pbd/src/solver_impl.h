@@ -30,13 +30,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   /// Bodies given to a worker at a time.
   static constexpr std::size_t kBodyGrain = 256;
 
-  /// Whether the step has nothing to do but to count time: all that it would look at rests as in
-  /// the last ones, which found nothing either. What rests is found once more as it was and then
-  /// repeats itself, the contacts of both bits for bits.
-  bool rests(const World& world, double dt) const;
-  const StepReport& pass_by(World& world);
-  void note_rest();
-
   // Stages.
   void begin_step(World& world, double dt);
   void begin_group(std::uint32_t group);
@@ -61,7 +54,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   void arrange_groups();
   Groups::Rule group_rule() const;
   void list_parts();
-  void load_bodies();
   void project_joints();
   /// How often joints and contacts take turns in a substep. Where contacts hit what joints hold,
   /// one turn leaves most of the blow to the substeps to come: a doll that falls on its feet
@@ -77,7 +69,7 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   /// tolerance itself.
   /// @param project  of a block: the largest move that a row asked for, m
   void until_joints_hold(auto&& project) {
-    if (!projects_) return;
+    if (!rows_.project) return;
     constexpr double kSwept = 0.02;  // of the tolerance
     const bool reverse = context_.reverse;
     for (int i = 0; i < options_.joint_iterations; ++i) {
@@ -118,12 +110,11 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   StageClock clock_;
   Targets targets_;
   Islands islands_;
-  /// Bodies that may move, ascending; all of them where islands go on in other worlds.
-  std::span<const std::uint32_t> movers_;
-  std::vector<std::uint32_t> every_slot_;  ///< for those
   BodyBuffer bodies_;
-  bool has_rows_ = false;  ///< there is a row, and a body that is awake
-  bool projects_ = false;  ///< some row projects poses
+  struct {
+    bool any = false;      ///< there is one, and a body that is awake
+    bool project = false;  ///< some project poses
+  } rows_;
   Groups groups_;
   ConstraintEdges edges_;
   std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
@@ -135,10 +126,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
     std::vector<MotionLimit> limits;
   } motion_;  ///< what stops bodies on their way
   std::vector<PoseTarget> pose_targets_;
-  struct {
-    BodyLog::Mark since;  ///< of the world
-    int steps = 0;        ///< in which nobody was awake and nothing was noted
-  } rest_;
 };
 
 }  // namespace tandem::pbd

@@ -4,7 +4,6 @@
 // The stages of a step, in their order, and below them the parts that they are made of.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "contact_row.h"
 #include "contact_rows.h"
@@ -45,36 +44,16 @@ bool usable(const Manifold& m, const World& world) {
   return std::isfinite(sum) && std::abs(m.normal.squaredNorm() - 1.0) < 1e-3 && m.friction >= 0.0;
 }
 
+/// Where what does not move is; limit_motion() sets the others.
+void note_places(BodyBuffer& bodies, std::vector<Pose>& places) {
+  const auto set = [&](std::uint32_t i) { places[i] = {bodies[i].x, bodies[i].q}; };
+  const bool fresh = places.empty();
+  places.resize(bodies.size());
+  if (!fresh) return bodies.for_changed(set);
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) set(i);
+}
+
 }  // namespace
-
-bool Solver::Impl::rests(const World& world, double dt) const {
-  constexpr int kRepeats = 2;
-  if (rest_.steps < kRepeats || dt != dt_ || !world.body_log_.is_quiet(rest_.since)) return false;
-  if (world.target_source_ != nullptr || world.island_coupling_ != nullptr) return false;
-  if (world.contact_source_ != nullptr && !world.contact_source_->repeats()) return false;
-  // Rows of other kinds change without the world's knowing.
-  return std::all_of(world.blocks_.begin(), world.blocks_.end(), [&](const auto& block) {
-    return block.get() == world.contacts_ || block->empty();
-  });
-}
-
-const StepReport& Solver::Impl::pass_by(World& world) {
-  world.time_ += dt_;
-  report_.ran = {};
-  report_.stage_s = {};
-  return report_;
-}
-
-void Solver::Impl::note_rest() {
-  const bool still = groups_.all().empty() && !bodies_.any_moving();
-  const bool quiet = still && world_->body_log_.is_quiet(rest_.since) &&
-                     world_->target_source_ == nullptr && options_.sleep_after > 0.0 &&
-                     report_.status == StepStatus::Ok;
-  rest_.steps = quiet ? rest_.steps + 1 : 0;
-  // Whoever has seen the world rest, another solver maybe, sees that it does so no more.
-  if (!still) world_->body_log_.stir();
-  world_->body_log_.read(rest_.since, [](std::uint32_t) {});
-}
 
 void Solver::Impl::begin_step(World& world, double dt) {
   world_ = &world;
@@ -84,15 +63,19 @@ void Solver::Impl::begin_step(World& world, double dt) {
   BodyBuffer::aim_kinematic(world, dt);
   detect();
   if (world.contact_source_ != nullptr) end_stage(Stage::Detect);
-  load_bodies();
+  bodies_.load(world, workers_);
+  if (world.contact_source_ != nullptr) {
+    note_places(bodies_, motion_.after);
+  } else {
+    motion_.after.clear();
+  }
   collect_targets();
   arrange_groups();
-  report_.turning =
-      bodies_.prepare(world, movers_, edges_.without_contacts(), groups_.all(), workers_);
-  if (projects_) bodies_.keep_inertias(movers_);
+  report_.turning = bodies_.prepare(world, edges_.without_contacts(), groups_.all(), workers_);
+  if (rows_.project) bodies_.keep_inertias();
   list_parts();
   context_ = {.bodies = bodies_.all(),
-              .movers = movers_,
+              .movers = bodies_.movers(),
               .h = dt / options_.substeps,
               .substeps = options_.substeps,
               .joint_tolerance = options_.joint_tolerance,
@@ -124,7 +107,7 @@ void Solver::Impl::begin_substep(int i) {
   context_.substep = i;
   context_.last = i + 1 == context_.substeps;
   context_.reverse = (i % 2) == 1;
-  if (projects_) {
+  if (rows_.project) {
     for_group([&](SolverBody&, std::uint32_t slot) {
       bodies_.renew_inertia(slot, world_->props_[slot]);
     });
@@ -144,12 +127,12 @@ void Solver::Impl::integrate() {
 }
 
 void Solver::Impl::project() {
-  if (!has_rows_) return;
+  if (!rows_.any) return;
   for_blocks([&](ConstraintBlock& block) { block.warm_start(context_); });
   const Turns turns = joint_turns();
   for (int i = 0; i < turns.most; ++i) {
     context_.iteration = i;
-    if (projects_) project_joints();
+    if (rows_.project) project_joints();
     if (turns.most > 1)
       for_blocks([&](ConstraintBlock& block) { block.finish_projection(context_); });
     for_blocks([&](ConstraintBlock& block) {
@@ -169,7 +152,7 @@ void Solver::Impl::advance_poses() {
     const BodyProps& props = world_->props_[i];
     if (locked) enforce_locks(body, props.locks);
     advance_pose(body, props, h);
-    if (projects_ && body.reoriented) bodies_.keep_inertia(i);
+    if (rows_.project && body.reoriented) bodies_.keep_inertia(i);
     if (locked) restore_locked(body, props.locks, world_->states_[i].pose.position);
   });
   clock_.stop(Stage::Integrate);
@@ -182,7 +165,7 @@ void Solver::Impl::agree_velocities() {
 }
 
 void Solver::Impl::solve_velocities() {
-  if (!has_rows_ && targets_.empty()) return;
+  if (!rows_.any && targets_.empty()) return;
   const bool reverse = context_.reverse;
   for (int i = 0; i < options_.velocity_iterations; ++i) {
     double change = 0.0;
@@ -224,7 +207,7 @@ void Solver::Impl::end_step() {
   context.h = dt_;
   context.substeps = options_.substeps;
   wanted_.resize(bodies_.size());
-  for (const std::uint32_t i : movers_) wanted_[i] = 0.0;
+  for (const std::uint32_t i : bodies_.movers()) wanted_[i] = 0.0;
   const std::span<double> wanted = report_.parts.refinement ? wanted_ : std::span<double>{};
   for_blocks([&](ConstraintBlock& block) { block.end_step(context, wanted); });
   // What rows did in this step decides who rests; a world that sleeps does not ask.
@@ -234,7 +217,9 @@ void Solver::Impl::end_step() {
   limit_motion();
   bodies_.store(*world_, dt_, groups_.all(), report_);
   world_->wrenches_.clear();
-  note_rest();
+  const bool still = groups_.all().empty() && !bodies_.any_moving();
+  bodies_.note_rest(*world_, dt_, still,
+                    options_.sleep_after > 0.0 && report_.status == StepStatus::Ok);
   world_->body_log_.end_step();
   world_->time_ += dt_;
   for (const auto& block : world_->blocks_) {
@@ -308,10 +293,10 @@ void Solver::Impl::list_parts() {
   report_.parts = {.contacts = touching,
                    .friction = touching && contacts->any_friction(),
                    .restitution = touching && contacts->any_restitution(),
-                   .joints = projects_,
+                   .joints = rows_.project,
                    .rotation = report_.turning > 0,
                    .sleep = awake && options_.sleep_after > 0.0,
-                   .refinement = has_rows_ && options_.refine,
+                   .refinement = rows_.any && options_.refine,
                    .targets = !targets_.empty()};
 }
 
@@ -324,23 +309,6 @@ void Solver::Impl::detect() {
   }
   world_->contacts_->configure(options_.contact);
   world_->contacts_->set_manifolds(manifolds_);
-}
-
-void Solver::Impl::load_bodies() {
-  movers_ = world_->movers();
-  if (world_->island_coupling_ != nullptr) {
-    every_slot_.resize(world_->slot_count());
-    std::iota(every_slot_.begin(), every_slot_.end(), 0u);
-    movers_ = every_slot_;
-  }
-  bodies_.load(*world_, movers_, workers_);
-  // Where what does not move is; limit_motion() sets the others.
-  if (world_->contact_source_ == nullptr) return motion_.after.clear();
-  const auto set = [&](std::uint32_t i) { motion_.after[i] = {bodies_[i].x, bodies_[i].q}; };
-  const bool fresh = motion_.after.empty();
-  motion_.after.resize(bodies_.size());
-  if (!fresh) return bodies_.for_changed(set);
-  for (std::uint32_t i = 0; i < bodies_.size(); ++i) set(i);
 }
 
 void Solver::Impl::collect_targets() {
@@ -362,29 +330,29 @@ void Solver::Impl::note_gaps() {
   bool gaps = false;
   for_blocks([&](const ConstraintBlock& block) { gaps = gaps || block.has_gaps(); });
   if (!gaps) return;
-  targets_.mark_gaps(edges_.without_contacts(), movers_, bodies_.all());
+  targets_.mark_gaps(edges_.without_contacts(), bodies_.movers(), bodies_.all());
   context_.shared = true;
 }
 
 void Solver::Impl::arrange_groups() {
   edges_.list(*world_);
-  islands_.build(edges_.all(), movers_, bodies_.all());
+  islands_.build(edges_.all(), bodies_.movers(), bodies_.all());
   bodies_.mark_joined(edges_);
   changed_.clear();
   for (const auto& block : world_->blocks_) block->take_changed(changed_);
   note_new_overlaps();
-  groups_.arrange(group_rule(), islands_, movers_, changed_, edges_.all(), pose_targets_,
+  groups_.arrange(group_rule(), islands_, bodies_.movers(), changed_, edges_.all(), pose_targets_,
                   world_->props_, world_->activity_, bodies_.all());
-  if (!targets_.empty()) targets_.mark_islands(islands_.of(), movers_, bodies_.all());
+  if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.movers(), bodies_.all());
   report_.groups = static_cast<int>(groups_.all().size());
   report_.awake = 0;
   for (const Group& group : groups_.all()) report_.awake += static_cast<int>(group.bodies.size());
-  projects_ = false;
-  has_rows_ = false;
+  rows_.project = false;
+  rows_.any = false;
   if (groups_.all().empty()) return;
   for_blocks([&](ConstraintBlock& block) {
-    has_rows_ = true;
-    projects_ = projects_ || !is_last(block);
+    rows_.any = true;
+    rows_.project = rows_.project || !is_last(block);
   });
 }
 
@@ -413,7 +381,7 @@ Groups::Rule Solver::Impl::group_rule() const {
 
 void Solver::Impl::limit_motion() {
   if (world_->contact_source_ == nullptr || groups_.all().empty()) return;
-  for (const std::uint32_t i : movers_) motion_.after[i] = {bodies_[i].x, bodies_[i].q};
+  for (const std::uint32_t i : bodies_.movers()) motion_.after[i] = {bodies_[i].x, bodies_[i].q};
   world_->contact_source_->limit_motion(*world_, motion_.after, workers_, motion_.limits);
   for (const MotionLimit& limit : motion_.limits) {
     if (limit.body >= bodies_.size()) continue;

@@ -64,7 +64,8 @@ class TANDEM_API BodyLog {
   /// @return whether that is all; if not, everything has to be looked at
   bool read(Mark& mark, auto&& visit) const {
     const bool known = name_ != nullptr && mark.log == name_ && mark.count >= base_;
-    for (std::size_t i = known ? mark.count - base_ : entries_.size(); i < entries_.size(); ++i) {
+    const auto first = known ? static_cast<std::size_t>(mark.count - base_) : entries_.size();
+    for (std::size_t i = first; i < entries_.size(); ++i) {
       visit(entries_[i]);
     }
     if (mark.log != name_) mark.log = name_;
