@@ -16,6 +16,7 @@
 #include "tandem/pbd/by_body.h"
 #include "tandem/pbd/change_count.h"
 #include "tandem/pbd/validate.h"
+#include "watched_colliders.h"
 
 namespace tandem::collision {
 namespace {
@@ -52,12 +53,7 @@ struct __attribute__((visibility("hidden"))) SceneState {
   std::vector<Collider> colliders;
   pbd::ByBody by_body;  ///< colliders
   std::vector<std::uint32_t> free;
-  /// Colliders that a step looks at, ascending: those of bodies that may move, and of the others
-  /// those that have come, or whose body has changed, until they lie still.
-  std::vector<std::uint32_t> watched;
-  std::vector<std::uint8_t> is_watched;  ///< by collider: in that list
-  bool watched_in_order = true;
-  pbd::BodyLog::Mark seen;  ///< of the world
+  WatchedColliders watched;
   std::size_t sensor_count = 0;
   pbd::ChangeCount changes;
   std::uint64_t collected = 0;  ///< what that was in the last collect()
@@ -83,14 +79,8 @@ class __attribute__((visibility("hidden"))) CollisionScene::Impl : public SceneS
   void look_again_at(std::uint32_t body);
   void look_again(std::uint32_t index) {
     broad.look_again(index);
-    watch(index);
+    watched.add(index);
   }
-  void watch(std::uint32_t index);
-  void watch_all();
-  /// Bring the list up to date with the world.
-  void update_watched(const pbd::World& world);
-  /// Leave out what lies still.
-  void leave_still(const pbd::World& world);
   void sum_stats(std::span<const pbd::Manifold> found);
   bool load(pbd::ByteReader& in);
   void forget();
@@ -114,7 +104,7 @@ void CollisionScene::Impl::update_order(const pbd::World& world) {
   // Two colliders change places only here, and then no cache says which of them was the first.
   if (natural_order != order.natural() && !restored) {
     broad.reset();
-    seen = {};
+    watched.forget();
   }
   restored = false;
   natural_order = order.natural();
@@ -125,50 +115,9 @@ void CollisionScene::Impl::look_again_at(std::uint32_t body) {
   by_body.for_rows(body, [&](std::uint32_t row, std::uint32_t) { look_again(row); });
 }
 
-void CollisionScene::Impl::watch(std::uint32_t index) {
-  is_watched.resize(colliders.size(), 0);
-  if (std::exchange(is_watched[index], std::uint8_t{1}) != 0) return;
-  watched_in_order = watched_in_order && (watched.empty() || watched.back() < index);
-  watched.push_back(index);
-}
-
-void CollisionScene::Impl::watch_all() {
-  watched.clear();
-  watched_in_order = true;
-  is_watched.resize(colliders.size());
-  for (std::uint32_t i = 0; i < colliders.size(); ++i) {
-    is_watched[i] = colliders[i].alive ? 1 : 0;
-    if (colliders[i].alive) watched.push_back(i);
-  }
-}
-
-void CollisionScene::Impl::update_watched(const pbd::World& world) {
-  const bool moved = sleepers_moved != world.sleepers_moved();
-  sleepers_moved = world.sleepers_moved();
-  const bool known = world.body_log().read(seen, [&](std::uint32_t body) {
-    by_body.for_rows(body, [&](std::uint32_t row, std::uint32_t) { watch(row); });
-  });
-  if (!known) watch_all();
-  if (!watched_in_order) std::sort(watched.begin(), watched.end());
-  watched_in_order = true;
-  if (!moved) return;
-  for (const std::uint32_t i : watched) colliders[i].asleep = false;
-}
-
-void CollisionScene::Impl::leave_still(const pbd::World& world) {
-  std::erase_if(watched, [&](std::uint32_t i) {
-    Collider& c = colliders[i];
-    const bool moves =
-        c.alive && (!c.finite || !c.still ||
-                    world.all_props()[c.def.body.index].type != pbd::BodyType::Static);
-    is_watched[i] = moves ? 1 : 0;
-    return !moves;
-  });
-}
-
 void CollisionScene::Impl::sum_stats(std::span<const pbd::Manifold> found) {
   stats = {.colliders = colliders.size() - free.size(),
-           .looked_at = watched.size(),
+           .looked_at = watched.list().size(),
            .searches = broad.searches(),
            .pairs = broad.pairs().size(),
            .queries = contacts.queries(),
@@ -219,7 +168,7 @@ ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) 
   m.changes.note();
   m.by_body.add(index, collider.def.body.index);
   m.broad.add(index, collider);
-  m.watch(index);
+  m.watched.add(index);
   return {index, collider.generation};
 }
 
@@ -316,15 +265,18 @@ void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& w
   const std::size_t first = out.size();
   m.update_order(world);
   m.broad.apart.update(world, [&](std::uint32_t body) { m.look_again_at(body); });
-  m.update_watched(world);
-  workers.for_chunks(m.watched.size(), kColliderGrain,
-                     [&](std::size_t begin, std::size_t end, int) {
-                       for (std::size_t k = begin; k < end; ++k) {
-                         Collider& collider = m.colliders[m.watched[k]];
-                         if (collider.alive) update_collider(collider, world, dt);
-                       }
-                     });
-  m.broad.update(m.colliders, m.watched, dt, workers);
+  m.watched.update(world, m.colliders, m.by_body);
+  const std::span<const std::uint32_t> watched = m.watched.list();
+  if (std::exchange(m.sleepers_moved, world.sleepers_moved()) != world.sleepers_moved()) {
+    for (const std::uint32_t i : watched) m.colliders[i].asleep = false;
+  }
+  workers.for_chunks(watched.size(), kColliderGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Collider& collider = m.colliders[watched[k]];
+      if (collider.alive) update_collider(collider, world, dt);
+    }
+  });
+  m.broad.update(m.colliders, watched, dt, workers);
   MotionLimiter::guard(m.colliders, m.broad.found());
   m.contacts.grow(m.broad.cache_slots());
   // Before there is anything to be copied, or to be there twice.
@@ -334,13 +286,13 @@ void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& w
 
   m.contacts.collect(m.colliders, m.broad.pairs(), m.options.recycle_angle, dt, workers, out);
   m.sum_stats(std::span(out).subspan(first));
-  m.leave_still(world);
+  m.watched.leave_still(world, m.colliders);
   m.collected = m.changes.value();
 }
 
 void CollisionScene::limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
                                   pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits) {
-  impl_->limiter.find(impl_->colliders, impl_->watched, impl_->broad, world, after, workers,
+  impl_->limiter.find(impl_->colliders, impl_->watched.list(), impl_->broad, world, after, workers,
                       limits);
 }
 
@@ -422,7 +374,7 @@ bool CollisionScene::Impl::load(pbd::ByteReader& in) {
 
 void CollisionScene::Impl::forget() {
   broad.reset();
-  seen = {};
+  watched.forget();
   for (Collider& collider : colliders) collider.asleep = false;
 }
 

@@ -169,10 +169,9 @@ double JointCoupling::solve(const SubstepContext& ctx, double target) {
 void JointCoupling::forgive(const SubstepContext& ctx) { displacement_residual_ = violated(ctx); }
 
 bool JointCoupling::find_gap(const SubstepContext& ctx) {
-  SolverBody ground;
-  const Place one(def_.one, ctx, ground, near_[0]);
-  const Place two(def_.two, ctx, ground, near_[1]);
-  if (one.b->agreed || two.b->agreed) {  // as of joints
+  SolverBody& one = ctx.bodies[def_.one.b.index];
+  SolverBody& two = ctx.bodies[def_.two.b.index];
+  if (one.agreed || two.agreed) {  // as of joints
     gap_ = {};
     return false;
   }
@@ -181,19 +180,18 @@ bool JointCoupling::find_gap(const SubstepContext& ctx) {
   if (!gap_.is_open()) return false;
   displacement_residual_ = off;
   bool marked = false;
-  for (SolverBody* body : {one.b, two.b}) {
+  for (SolverBody* body : {&one, &two}) {
     if (body->is_solved()) marked = body->shared = true;
   }
   return marked;
 }
 
 void JointCoupling::begin_substep(const SubstepContext& ctx) {
-  SolverBody ground;
-  const Place one(def_.one, ctx, ground, near_[0]);
-  const Place two(def_.two, ctx, ground, near_[1]);
-  const bool left = ctx.substep > 0 && (one.b->pushed || two.b->pushed);
+  const SolverBody& one = ctx.bodies[def_.one.b.index];
+  const SolverBody& two = ctx.bodies[def_.two.b.index];
+  const bool left = ctx.substep > 0 && (one.pushed || two.pushed);
   displacement_residual_ = residual_at_start(kLock, violated(ctx), displacement_residual_, left,
-                                             Displaced(*one.b, *two.b), ctx.h);
+                                             Displaced(one, two), ctx.h);
 }
 
 double JointCoupling::project(const SubstepContext& ctx) {

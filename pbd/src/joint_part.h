@@ -91,11 +91,13 @@ struct JointSlot {
   Vec3 w = Vec3::Zero();
   JointSlotMotion start;            ///< before gravity and other forces; loops only
   Quat q_start = Quat::Identity();  ///< at the start of the substep
-  Quat q = Quat::Identity();        ///< predicted
-  bool alone = false;               ///< no other rows have turned it from there
-  bool carried = false;             ///< what turns it is an impulse at the substep's start
-  LocalInertia local;               ///< as the step began; 0: not asked for yet
-  JointSlotMove seen;               ///< the body's corrections when its part held
+  Vec3 x = Vec3::Zero();            ///< m, predicted
+  Quat q = Quat::Identity();
+  JointSlotMove before;  ///< the body's corrections when it stood there
+  bool alone = false;    ///< no other rows have turned it from there
+  bool carried = false;  ///< what turns it is an impulse at the substep's start
+  LocalInertia local;    ///< as the step began; 0: not asked for yet
+  JointSlotMove seen;    ///< the body's corrections when its part held
   // As the plan was made:
   bool turns_freely = false;
   bool primary = false;  ///< the first one of its body

@@ -101,10 +101,10 @@ Balance balance(const JointPart& part, const Vec3& mean) {
 
 void restart(const JointPart& part, bool learn) {
   part.for_bodies([](const JointSlot& slot, SolverBody& body) {
-    body.x -= slot.sum_dx;
-    body.dx -= slot.sum_dx;
+    body.x = slot.x;
     body.q = slot.q;
-    body.dtheta -= slot.sum_dtheta;
+    body.dx = slot.before.dx;
+    body.dtheta = slot.before.dtheta;
   });
   part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
     if (learn) node.add_pull(plan, part.impulse(k, part.records[plan.joint].used));
