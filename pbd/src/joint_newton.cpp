@@ -59,13 +59,11 @@ void weigh(const JointPart& part) {
 
 void start_bodies(const JointPart& part) {
   part.for_bodies([&](JointSlot& slot, const SolverBody& body) {
-    slot.sum_dx.setZero();
-    slot.sum_dtheta.setZero();
+    slot.sum.dx.setZero();
+    slot.sum.dtheta.setZero();
     slot.v = body.v;
     slot.w = part.progress.channel == JointChannel::Real ? body.w : Vec3(Vec3::Zero());
-    slot.x = body.x;
-    slot.q = body.q;
-    slot.before = {body.dx, body.dtheta};
+    slot.before = {body.x, body.q, {body.dx, body.dtheta}};
     slot.alone = body.dtheta.isZero(0.0);
     slot.carried = false;
   });
@@ -117,7 +115,7 @@ void turn(SolverBody& body, JointSlot& slot, double h) {
     body.q = rotated_about(body.q, slot.dtheta);
     return;
   }
-  const Mat3 axes = slot.q.toRotationMatrix();
+  const Mat3 axes = slot.before.q.toRotationMatrix();
   LocalInertia& local = slot.local;
   if (local.inertia.isZero(0.0)) {
     local.inverse = axes.transpose() * body.inv_inertia_w * axes;
@@ -161,8 +159,8 @@ double move_bodies(const JointPart& part) {
   part.for_bodies([&](JointSlot& slot, SolverBody& body) {
     body.x += slot.dx;
     body.dx += slot.dx;
-    slot.sum_dx += slot.dx;
-    slot.sum_dtheta += slot.dtheta;
+    slot.sum.dx += slot.dx;
+    slot.sum.dtheta += slot.dtheta;
     body.dtheta += slot.dtheta;
     turn(body, slot, part.ctx.h);
     largest = std::max({largest, slot.dx.squaredNorm(), slot.dtheta.squaredNorm()});

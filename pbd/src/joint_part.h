@@ -75,6 +75,13 @@ struct JointSlotMove {
   Vec3 dtheta = Vec3::Zero();  ///< rad
 };
 
+/// Where a position iteration finds a body.
+struct JointSlotPlace {
+  Vec3 x = Vec3::Zero();  ///< m, predicted
+  Quat q = Quat::Identity();
+  JointSlotMove move;  ///< the body's corrections so far
+};
+
 /// A body of a part.
 struct JointSlot {
   double inv_mass = 0.0;
@@ -84,17 +91,13 @@ struct JointSlot {
   Mat3 stiffness = Mat3::Zero();    ///< see stiffen()
   Vec3 dx = Vec3::Zero();
   Vec3 dtheta = Vec3::Zero();
-  // Of this position iteration:
-  Vec3 sum_dx = Vec3::Zero();
-  Vec3 sum_dtheta = Vec3::Zero();
+  JointSlotMove sum;      ///< of this position iteration
   Vec3 v = Vec3::Zero();  ///< m/s and rad/s, predicted
   Vec3 w = Vec3::Zero();
   JointSlotMotion start;            ///< before gravity and other forces; loops only
   Quat q_start = Quat::Identity();  ///< at the start of the substep
-  Vec3 x = Vec3::Zero();            ///< m, predicted
-  Quat q = Quat::Identity();
-  JointSlotMove before;  ///< the body's corrections when it stood there
-  bool alone = false;    ///< no other rows have turned it from there
+  JointSlotPlace before;
+  bool alone = false;    ///< no other rows have turned it before
   bool carried = false;  ///< what turns it is an impulse at the substep's start
   LocalInertia local;    ///< as the step began; 0: not asked for yet
   JointSlotMove seen;    ///< the body's corrections when its part held

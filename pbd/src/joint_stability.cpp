@@ -38,7 +38,7 @@ void apply_stiffness(JointSlot& slot, SolverBody& body) {
   const Vec3 dtheta = block::times(slot.inv_inertia, slot.dtheta);
   body.q = rotated_about(body.q, dtheta);
   body.dtheta += dtheta;
-  slot.sum_dtheta += dtheta;
+  slot.sum.dtheta += dtheta;
   slot.stiffness.setZero();
 }
 
@@ -76,13 +76,13 @@ Balance balance(const JointPart& part, const Vec3& mean) {
   Balance sum;
   const double rate = 1.0 / part.ctx.h;
   part.for_bodies([&](const JointSlot& slot, const SolverBody& body) {
-    const Vec3 dv = rate * slot.sum_dx;
-    const Vec3 dw = rate * slot.sum_dtheta;
+    const Vec3 dv = rate * slot.sum.dx;
+    const Vec3 dw = rate * slot.sum.dtheta;
     const Mat3& inertia = slot.inertia;
     // The inertia turns with the body, the angular momentum does not.
     const Vec3 start = block::times(inertia, slot.w);
     const Vec3 momentum = start + block::times(inertia, dw);
-    const Vec3 momentum_l = exp_map(-slot.sum_dtheta) * momentum;
+    const Vec3 momentum_l = exp_map(-slot.sum.dtheta) * momentum;
     const double own = 1.0 / body.inv_mass;
     sum.work += own * dv.dot(slot.v + 0.5 * dv) +
                 0.5 * (momentum_l.dot(block::times(slot.inv_own, momentum_l)) - slot.w.dot(start));
@@ -101,10 +101,10 @@ Balance balance(const JointPart& part, const Vec3& mean) {
 
 void restart(const JointPart& part, bool learn) {
   part.for_bodies([](const JointSlot& slot, SolverBody& body) {
-    body.x = slot.x;
-    body.q = slot.q;
-    body.dx = slot.before.dx;
-    body.dtheta = slot.before.dtheta;
+    body.x = slot.before.x;
+    body.q = slot.before.q;
+    body.dx = slot.before.move.dx;
+    body.dtheta = slot.before.move.dtheta;
   });
   part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
     if (learn) node.add_pull(plan, part.impulse(k, part.records[plan.joint].used));
@@ -119,8 +119,8 @@ bool adds_energy(const JointPart& part) {
   double after = 0.0;
   const double rate = 1.0 / part.ctx.h;
   part.for_bodies([&](const JointSlot& slot, const SolverBody& body) {
-    const Vec3 v = slot.v + rate * slot.sum_dx;
-    const Vec3 w = slot.w + rate * slot.sum_dtheta;
+    const Vec3 v = slot.v + rate * slot.sum.dx;
+    const Vec3 w = slot.w + rate * slot.sum.dtheta;
     before += slot.v.squaredNorm() / body.inv_mass + slot.w.dot(slot.inertia * slot.w);
     after += v.squaredNorm() / body.inv_mass + w.dot(slot.inertia * w);
   });
@@ -270,7 +270,8 @@ void limit_turn(const JointPart& part) {
   double energy = 0.0;  // J, against the mean
   part.for_bodies([&](const JointSlot& slot, const SolverBody& body) {
     const double own = 1.0 / body.inv_mass;
-    const Vec3 w = (slot.q * body.q.conjugate()) * body.w;  // the inertia turns with the body
+    const Vec3 w =
+        (slot.before.q * body.q.conjugate()) * body.w;  // the inertia turns with the body
     const double spin = w.dot(block::times(slot.inertia, w));
     energy += 0.5 * (own * (body.v - mean).squaredNorm() + spin);
     work += 0.5 * (own * (body.v.squaredNorm() - slot.v.squaredNorm()) + spin -

@@ -63,7 +63,7 @@ TEST_CASE("car: springs give by m g / 4 k and swing with their frequency", "[car
   CHECK(road.at().position.z() == Approx(mean).margin(0.05 * (at_ease - mean)));
 }
 
-TEST_CASE("car: it drives as fast as its wheels turn, or as drag lets it", "[car]") {
+TEST_CASE("car: it drives as fast as its wheels turn, or as drag lets it", "[car][long]") {
   CarDef def;
   def.top_speed = 12.0;
   Road road(def);

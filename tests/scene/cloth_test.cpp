@@ -139,7 +139,7 @@ TEST_CASE("cloth: at 10 m/s no part of it gets through a ball", "[scene][contact
 // What is heavier than the sheet parts its threads and gets through: docs/parts.md.
 TEST_CASE(
     "cloth: a ball at 10 m/s of half its mass comes back, wherever it hits; none gains energy",
-    "[scene][contact]") {
+    "[scene][contact][long]") {
   struct Throw {
     double mass, density;
     double x, z;  ///< m, beside a particle

@@ -75,7 +75,7 @@ TEST_CASE("joint fall: three boxes on two joints gain nothing where they overlap
 // radians before joints had their say, and what joints could not follow added energy from turn
 // to turn. 18 of 60 at 30 Hz and 2 of 60 at 60 Hz came to as much as 1e15 times their energy.
 TEST_CASE("joint fall: ragdolls that fall on hands and head gain nothing",
-          "[scene][joint][invariant]") {
+          "[scene][joint][invariant][long]") {
   struct Fall {
     double hz, height;  ///< 1/s, m
     Quat turn;
@@ -137,7 +137,7 @@ double whip(std::uint64_t seed) {
 // it began with, which is to add it by that of the next: of 700 such chains 14 gained above 1 %, by
 // 0.45, 0.55, 5.5, 5, 0.2 and 0.43 in these. Two do still, by 1.3 and 2.2 %.
 TEST_CASE("joint fall: chains that whip and touch themselves gain nothing",
-          "[scene][joint][invariant]") {
+          "[scene][joint][invariant][long]") {
   for (const std::uint64_t seed : {266, 356, 521, 638, 652, 698}) {
     CAPTURE(seed);
     CHECK(whip(seed) < 0.01);

@@ -91,7 +91,7 @@ TEST_CASE("ragdoll: lies still and sleeps, however it fell", "[scene][invariant]
 
 // Contacts moved what joints turn by another inertia than their rows had: of this heap, which is
 // solved in turns, one step made 3e20 J of 29 kJ; in single turns others made up to 1.7 kJ of 32.
-TEST_CASE("ragdoll: a heap of eighteen loses energy", "[scene][invariant]") {
+TEST_CASE("ragdoll: a heap of eighteen loses energy", "[scene][invariant][long]") {
   for (const double seed : {1.0, 2.3, 7.7}) {
     Scene scene;
     scene.add(HalfSpace{}, {.type = BodyType::Static});
@@ -117,7 +117,7 @@ TEST_CASE("ragdoll: a heap of eighteen loses energy", "[scene][invariant]") {
 
 // Limbs creep at a few mm/s for long. One that had crept far counted as moving, so that some limb
 // of a heap always did: all of twelve such heaps stayed awake, these with 55 and 77 bodies of 99.
-TEST_CASE("ragdoll: a heap of nine falls asleep", "[scene][invariant]") {
+TEST_CASE("ragdoll: a heap of nine falls asleep", "[scene][invariant][long]") {
   int awake = 0;
   for (const double seed : {3.24, 14.2}) {
     Scene scene;
@@ -139,7 +139,8 @@ TEST_CASE("ragdoll: a heap of nine falls asleep", "[scene][invariant]") {
 // Boxes of 7 to 400 kg fall on two dolls. In these eight of sixty draws a blow leaves a limb on the
 // wrong side of something: joints ended 6 to 294 mm apart, and limbs trembled at up to 0.8 m/s. Of
 // the sixty one or two still do, which ones is chance.
-TEST_CASE("ragdoll: under heavy boxes it lies still, and its joints hold", "[scene][invariant]") {
+TEST_CASE("ragdoll: under heavy boxes it lies still, and its joints hold",
+          "[scene][invariant][long]") {
   int restless = 0;
   for (const std::uint64_t seed : {5, 8, 20, 31, 33, 39, 42, 48}) {
     pbd::SplitMix64 draw(2400 + seed);

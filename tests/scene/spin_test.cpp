@@ -130,7 +130,7 @@ SolidDef dropped(Random& random, const Size& size) {
   return def;
 }
 
-TEST_CASE("spin: no rod gains energy as it rolls, is thrown or falls", "[scene][property]") {
+TEST_CASE("spin: no rod gains energy as it rolls, is thrown or falls", "[scene][property][long]") {
   Random random{.bits = std::mt19937(8)};
   using Make = SolidDef (*)(Random&, const Size&);
   for (const Make make : {Make{rolling}, Make{thrown}, Make{dropped}}) {
@@ -207,7 +207,7 @@ TEST_CASE("spin: a ball in a bowl of facets swings no higher than it began", "[s
 }
 
 TEST_CASE("spin: whatever swings in a channel of facets swings no higher than it began",
-          "[scene][invariant]") {
+          "[scene][invariant][long]") {
   std::mt19937_64 random(29);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int run = 0; run < 60; ++run) {

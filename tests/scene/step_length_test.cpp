@@ -32,7 +32,7 @@ TEST_CASE("scene: steps too short to be made are gathered, and no time is lost",
 }
 
 TEST_CASE("scene: a stack of eight stands under steps of any length in any order",
-          "[scene][property]") {
+          "[scene][property][long]") {
   std::mt19937 random(13);
   const auto number = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
