@@ -270,7 +270,8 @@ TEST_CASE("peer: many springs of one user pull no harder than one may", "[consen
   CHECK(way(2, 10.0, 1e4) == Approx(2.0 * way(1, 10.0, 1e4)).epsilon(1e-6));
 }
 
-TEST_CASE("peer: a million ids leave no more behind than two mebibytes", "[consensus][fault]") {
+TEST_CASE("peer: a million ids leave no more behind than two mebibytes",
+          "[consensus][fault][long]") {
   const bool ascending = GENERATE(true, false);
   Target target;
   const auto honest = [&](int) { target.line.deliver(kHonest, target.state()); };

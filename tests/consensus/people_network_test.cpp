@@ -165,7 +165,7 @@ Outcome run(std::uint64_t seed, const Trouble* trouble) {
 }
 
 TEST_CASE("people's networks: who has one disturbs nobody else, and is with them again after 1 s",
-          "[consensus][fault]") {
+          "[consensus][fault][long]") {
   const std::uint64_t seed = GENERATE(range(std::uint64_t{1}, std::uint64_t{4}));
   const Outcome without = run(seed, nullptr);
   for (const Trouble& trouble : troubles()) {
