@@ -37,11 +37,12 @@ void WorldHistory::notice(const pbd::World& world) {
   Frame& frame = newest_frame();
   const std::size_t slots = world.slot_count();
   frame.states.resize(slots);
+  const std::size_t known = generations_.size();
   since_.resize(slots, frame.time);
   generations_.resize(slots, 0);
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
     const std::uint32_t generation = world.body_at(slot).generation;
-    if (generation == generations_[slot]) continue;
+    if (slot < known && generation == generations_[slot]) continue;
     generations_[slot] = generation;
     since_[slot] = frame.time;
     frame.states[slot] = world.states()[slot];
