@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "roster.h"
+#include "spawns.h"
 #include "tandem/net/session.h"
 #include "tandem/pbd/validate.h"
 
@@ -52,6 +54,8 @@ class __attribute__((visibility("hidden"))) Session::Impl {
         events(*wire.transport, options.events),
         peer(without_peer(stepped.world), events, peer_options(options.peer, wire.no_clocks)) {
     pace.validate();
+    options.spawning.validate();
+    if (options.spawning.make) spawns.emplace(options.spawning, stepped.world, peer, events);
     if (!clock) clock = [own = net::SessionClock()]() mutable { return own.now(); };
   }
   ~Impl() {
@@ -62,13 +66,40 @@ class __attribute__((visibility("hidden"))) Session::Impl {
     }
   }
 
+  /// Of before a step: who has come and gone, and what the others have spawned.
+  void hear() {
+    if (!spawns && !joined && !left) return;
+    roster.look(events);
+    for (const PeerId id : roster.left()) {
+      if (spawns) spawns->leave(id);
+      if (left) left(id);
+    }
+    for (const PeerId id : roster.joined()) {
+      if (spawns) spawns->join(id);
+      if (joined) joined(id);
+    }
+    if (spawns) spawns->receive();
+  }
+  Spawns& spawning() {
+    if (!spawns)
+      pbd::detail::refuse("SessionOptions: spawning.make", "set in order to spawn", "empty");
+    return *spawns;
+  }
+  /// Session time at which the step to come begins, ns.
+  SessionTime next_step() { return physics ? time : clock(); }
+
   Simulation simulation;
   Wire wire;
   ClockSource clock;
   net::PhysicsClockOptions pace;
   consensus::EventChannel events;
   consensus::Peer peer;  ///< gone before its transport
+  std::optional<Spawns> spawns;
+  Roster roster;
+  std::function<void(PeerId)> joined;
+  std::function<void(PeerId)> left;
   std::optional<net::PhysicsClock> physics;
+  SessionTime time = 0;     ///< ns, of the step to come; while there are physics
   double world_time = 0.0;  ///< s, after the last step
   std::size_t shared = 0;
   bool running = false;  ///< in run()
@@ -79,7 +110,18 @@ Session::Session(const Simulation& simulation, Wire wire, const SessionOptions& 
     : impl_(std::make_unique<Impl>(simulation, std::move(wire), session)) {}
 Session::~Session() = default;
 
+void SpawnOptions::validate() const {
+  if (static_cast<bool>(make) != static_cast<bool>(remove)) {
+    pbd::detail::refuse("SpawnOptions: make and remove", "both set, or neither",
+                        make ? "make alone" : "remove alone");
+  }
+  if (make && (max_bodies == 0 || max_of_one == 0)) {
+    pbd::detail::refuse("SpawnOptions: max_bodies and max_of_one", "> 0", "0");
+  }
+}
+
 SharedId Session::share(std::string_view name, pbd::BodyId body, std::optional<PeerId> owner) {
+  if (name.empty()) pbd::detail::refuse("Session::share: name", "1 character or more", "empty");
   const SharedId id = SharedId::from_name(name);
   try {
     impl_->peer.share({.id = id, .body = body, .owner = owner});
@@ -89,6 +131,25 @@ SharedId Session::share(std::string_view name, pbd::BodyId body, std::optional<P
   ++impl_->shared;
   return id;
 }
+
+void Session::unshare(const SharedId& id) { impl_->peer.unshare(id); }
+
+SharedId Session::spawn(std::string_view what, const pbd::Pose& pose, const pbd::Twist& twist) {
+  return impl_->spawning().spawn(what, pose, twist, impl_->next_step());
+}
+void Session::despawn(const SharedId& id) { impl_->spawning().despawn(id); }
+std::uint64_t Session::spawns_refused() const {
+  return impl_->spawns ? impl_->spawns->refused() : 0;
+}
+
+void Session::on_join(std::function<void(PeerId)> joined) { impl_->joined = std::move(joined); }
+void Session::on_leave(std::function<void(PeerId)> left) { impl_->left = std::move(left); }
+
+GrabId Session::grab(const GrabDef& def) { return impl_->peer.grab(def); }
+void Session::move(GrabId grab, const pbd::Vec3& anchor_w) {
+  impl_->peer.move(grab, anchor_w, impl_->next_step());
+}
+void Session::release(GrabId grab) { impl_->peer.release(grab); }
 
 SessionTime Session::now() { return impl_->clock(); }
 
@@ -106,20 +167,21 @@ Progress Session::advance(SessionTime now, const BeforeStep& before_step) {
   done.skipped = tick.skipped;
   done.lag = tick.lag;
   done.held = tick.held;
-  SessionTime time = own.physics->physics_time();
+  SessionTime& time = own.time;
+  time = own.physics->physics_time();
   for (const std::int64_t step : tick.steps) time -= step;
   // Also where before_step throws: what was stepped until then was stepped here, and the rest is
   // due.
   const struct Ending {
     Impl& own;
-    const SessionTime& time;
     ~Ending() {
       own.world_time = own.simulation.world.time();
-      if (time < own.physics->physics_time()) own.physics.emplace(own.pace, time);
+      if (own.time < own.physics->physics_time()) own.physics.emplace(own.pace, own.time);
     }
-  } ending{own, time};
+  } ending{own};
   for (const std::int64_t step : tick.steps) {
     own.events.poll(time);
+    own.hear();
     if (before_step) before_step(time);
     if (own.running && own.stopped) break;
     own.peer.before_step(time);
@@ -133,7 +195,7 @@ Progress Session::advance(SessionTime now, const BeforeStep& before_step) {
 }
 
 void Session::run(const BeforeStep& before_step) {
-  if (impl_->shared == 0 && !before_step) {
+  if (impl_->shared == 0 && !impl_->spawns && !before_step) {
     pbd::detail::refuse("Session::run: number of shared bodies",
                         "at least 1 where before_step shares none", "0");
   }

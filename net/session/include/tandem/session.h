@@ -3,6 +3,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -17,6 +18,7 @@
 
 namespace tandem {
 
+using consensus::GrabDef;
 using consensus::GrabId;
 using consensus::PeerId;
 using consensus::SessionTime;
@@ -41,13 +43,31 @@ struct TANDEM_API Simulation {
   std::function<const pbd::StepReport&(double)> step;
 };
 
+/// Bodies that members make for everybody while a session runs, see Session::spawn(). All members
+/// have the same, or none.
+struct TANDEM_API SpawnOptions {
+  /// Makes the body that `what` describes, which has come from another member (untrusted) or from
+  /// spawn(). Where it stands and how it moves is the session's to set. An id of no body or
+  /// std::invalid_argument: there is no such thing.
+  std::function<pbd::BodyId(std::string_view what)> make = {};
+  /// Takes a body out of the scene. It is shared no longer.
+  std::function<void(pbd::BodyId)> remove = {};
+  std::size_t max_bodies = 1024;  ///< at a time
+  std::size_t max_of_one = 256;   ///< at a time, made by one member
+
+  /// @throws std::invalid_argument naming field, value and rule
+  void validate() const;
+};
+
 struct TANDEM_API SessionOptions {
-  net::PhysicsClockOptions pace;  ///< 60 steps a second; PhysicsClockOptions::at_rate() for others
-  consensus::PeerOptions peer;
-  consensus::EventOptions events;
+  /// 60 steps a second; PhysicsClockOptions::at_rate() for others.
+  net::PhysicsClockOptions pace = {};
+  consensus::PeerOptions peer = {};
+  consensus::EventOptions events = {};
+  SpawnOptions spawning = {};
   /// Session time now, ns. Empty: the transport's, where it has one as net::UdpTransport does, else
   /// that of a net::SessionClock.
-  std::function<SessionTime()> clock;
+  std::function<SessionTime()> clock = {};
 };
 
 /// What Session::advance() did.
@@ -102,11 +122,36 @@ class TANDEM_API Session {
   /// @throws std::invalid_argument naming the name, and what is wrong: name or body is shared
   ///   already, or the body is none that can move
   SharedId share(std::string_view name, pbd::BodyId body, std::optional<PeerId> owner = {});
+  /// @throws as consensus::Peer::unshare
+  void unshare(const SharedId& id);
+
+  /// Make a body at every member, the later ones included, and share it.
+  /// @param what  what SpawnOptions::make is given, at every member
+  /// @param pose  of the centre of mass
+  /// @throws std::invalid_argument where there is no such thing, no place for one more, or `what`
+  ///   is too long for a packet of the transport; what `make` throws. Nothing is made then
+  SharedId spawn(std::string_view what, const pbd::Pose& pose, const pbd::Twist& twist = {});
+  /// Remove a body at every member that any of them has spawned.
+  /// @throws std::invalid_argument where it is none, or there no longer
+  void despawn(const SharedId& id);
+  /// What others have asked to spawn or despawn, and was not done.
+  std::uint64_t spawns_refused() const;
+
+  /// Called before a step (and before its BeforeStep) of each member that has connected or is no
+  /// longer connected since the last one. Empty: nothing is called.
+  void on_join(std::function<void(PeerId)> joined);
+  void on_leave(std::function<void(PeerId)> left);
+
+  /// Hold a shared body with a spring. @throws as consensus::Peer::grab
+  GrabId grab(const GrabDef& def);
+  /// Where the hand is as the next step begins, m, world.
+  void move(GrabId grab, const pbd::Vec3& anchor_w);
+  void release(GrabId grab);
 
   /// Session time, ns.
   SessionTime now();
   /// Make the steps that are due at `now`, and only those: it waits for nothing. The first call
-  /// begins. Throws nothing but what `before_step` and transports of yours do.
+  /// begins. Throws nothing but what functions and transports of yours do.
   Progress advance(SessionTime now, const BeforeStep& before_step = {});
   /// Go on at the clock's pace until stop(), SIGINT or SIGTERM (net::StopSignal, one at a time).
   /// @throws std::invalid_argument where nothing is shared and nothing is called that could share
@@ -114,8 +159,8 @@ class TANDEM_API Session {
   /// Ends run(), or the next one; from within `before_step`, before that step.
   void stop();
 
-  /// Messages of the application. What has come is there from before each step on, and gone with
-  /// the next: read it in `before_step`.
+  /// Messages of the application; topics that begin with "tandem." are the session's. What has come
+  /// is there from before each step on, and gone with the next: read it in `before_step`.
   consensus::EventChannel& events();
 
   // The parts.

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "spawns.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "tandem/pbd/validate.h"
+
+namespace tandem {
+namespace {
+
+constexpr std::string_view kSpawn = "tandem.spawn";
+constexpr std::string_view kDespawn = "tandem.despawn";
+constexpr std::string_view kAsk = "tandem.ask";
+constexpr std::string_view kTold = "tandem.told";
+
+constexpr std::size_t kIdBytes = 16;
+constexpr std::size_t kIdsPerEvent = 32;
+/// All ids that spawn() makes begin their lower half so: nobody can take the id of a name before
+/// the application shares it.
+constexpr std::uint64_t kMark = 0xb0d;
+constexpr int kNumberBits = 52;
+
+bool is_spawned(const SharedId& id) { return id.low >> kNumberBits == kMark; }
+
+void put(std::uint64_t value, std::vector<std::byte>& out) {
+  for (int shift = 0; shift < 64; shift += 8) out.push_back(static_cast<std::byte>(value >> shift));
+}
+
+std::uint64_t read(std::span<const std::byte> bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 8; i-- > 0;) value = value << 8 | std::to_integer<std::uint64_t>(bytes[i]);
+  return value;
+}
+
+}  // namespace
+
+void RemovedIds::add(const SharedId& id) {
+  if (!known_.insert(id).second) return;
+  order_.push_back(id);
+  if (order_.size() <= kMost) return;
+  known_.erase(order_.front());
+  order_.pop_front();
+}
+
+Spawns::Spawns(const SpawnOptions& options, pbd::World& world, consensus::Peer& peer,
+               consensus::EventChannel& events)
+    : options_(options), world_(world), peer_(peer), events_(events) {}
+
+bool Spawns::has_room(const SharedId& id) const {
+  if (here_.size() >= options_.max_bodies) return false;
+  const auto first = here_.lower_bound({.high = id.high, .low = 0});
+  const auto last = here_.upper_bound({.high = id.high, .low = UINT64_MAX});
+  return static_cast<std::size_t>(std::distance(first, last)) < options_.max_of_one;
+}
+
+SharedId Spawns::spawn(std::string_view what, const pbd::Pose& pose, const pbd::Twist& twist,
+                       SessionTime now) {
+  // By the time, so that who starts again under the same id repeats none.
+  constexpr std::uint64_t kMask = (std::uint64_t{1} << kNumberBits) - 1;
+  const std::uint64_t number = std::max(static_cast<std::uint64_t>(now) / 1000 & kMask, last_ + 1);
+  const SharedId id{.high = events_.self(), .low = kMark << kNumberBits | number};
+  const consensus::StateUpdate state{.id = id, .pose = pose, .twist = twist, .stamp = now};
+  if (const consensus::CodecResult checked = consensus::check(state); !checked.ok()) {
+    throw std::invalid_argument(std::string("Session::spawn: ") + checked.detail);
+  }
+  if (!has_room(id)) {
+    pbd::detail::refuse("Session::spawn: number of bodies",
+                        "below SpawnOptions' max_bodies in all and max_of_one of a member");
+  }
+  add(state, what);
+  try {
+    tell(id, here_.at(id), consensus::EventChannel::kToAll);
+  } catch (...) {
+    forget(id);
+    throw;
+  }
+  last_ = number;
+  return id;
+}
+
+void Spawns::despawn(const SharedId& id) {
+  if (!here_.contains(id)) {
+    pbd::detail::refuse("Session::despawn: id", "of a body that a member has spawned",
+                        id.to_string());
+  }
+  tell_removed({&id, 1}, consensus::EventChannel::kToAll);
+  forget(id);
+}
+
+void Spawns::join(PeerId member) {
+  members_[member] = {};
+  events_.send(kAsk, {}, member);
+}
+
+void Spawns::receive() {
+  for (const consensus::Event& event : events_.received()) {
+    if (event.topic == kAsk) {
+      answer(event.from);
+    } else if (event.topic == kTold) {
+      const auto member = members_.find(event.from);
+      if (member != members_.end()) member->second.told = true;
+    } else if (event.topic == kSpawn) {
+      refused_ += hear_spawn(event) ? 0 : 1;
+    } else if (event.topic == kDespawn) {
+      refused_ += hear_despawn(event) ? 0 : 1;
+    }
+  }
+}
+
+bool Spawns::hear_spawn(const consensus::Event& event) {
+  constexpr std::size_t kState = consensus::kHeaderBytes + consensus::kStateBytes;
+  if (event.role == consensus::Role::Watch || event.payload.size() < kState) return false;
+  const std::span<const std::byte> payload(event.payload);
+  if (!consensus::decode(payload.first(kState), packet_).ok()) return false;
+  if (packet_.states.size() != 1) return false;
+  const consensus::StateUpdate& state = packet_.states.front();
+  if (!is_spawned(state.id)) return false;
+  const auto member = members_.find(event.from);
+  const bool tells_all = member != members_.end() && !member->second.told;
+  if (state.id.high != event.from && !tells_all) return false;
+  // All members tell a newcomer.
+  if (here_.contains(state.id) || removed_.contains(state.id)) return true;
+  if (!has_room(state.id)) return false;
+  const std::span<const std::byte> what = payload.subspan(kState);
+  try {
+    add(state, {reinterpret_cast<const char*>(what.data()), what.size()});
+  } catch (const std::invalid_argument&) {  // `make` does not know such a thing
+    return false;
+  }
+  return true;
+}
+
+bool Spawns::hear_despawn(const consensus::Event& event) {
+  if (event.role == consensus::Role::Watch || event.payload.size() % kIdBytes != 0) return false;
+  const std::span<const std::byte> payload(event.payload);
+  for (std::size_t i = 0; i < payload.size(); i += kIdBytes) {
+    const SharedId id{.high = read(payload.subspan(i, 8)), .low = read(payload.subspan(i + 8, 8))};
+    if (!is_spawned(id)) return false;
+    forget(id);
+  }
+  return true;
+}
+
+void Spawns::answer(PeerId member) {
+  const auto known = members_.find(member);
+  if (known == members_.end() || known->second.answered) return;
+  known->second.answered = true;
+  const std::vector<SharedId> removed(removed_.in_order().begin(), removed_.in_order().end());
+  for (std::size_t i = 0; i < removed.size(); i += kIdsPerEvent) {
+    const std::size_t count = std::min(kIdsPerEvent, removed.size() - i);
+    tell_removed(std::span(removed).subspan(i, count), member);
+  }
+  for (const auto& [id, here] : here_) tell(id, here, member);
+  events_.send(kTold, {}, member);
+}
+
+void Spawns::tell(const SharedId& id, const Here& here, PeerId to) {
+  if (!world_.contains(here.body)) return;  // the application has removed it by itself
+  const consensus::StateUpdate state{
+      .id = id, .pose = world_.pose(here.body), .twist = world_.twist(here.body)};
+  bytes_.clear();
+  if (consensus::encode({&state, 1}, bytes_) == 0) return;  // further away than can be said
+  const auto what = std::as_bytes(std::span(here.what));
+  bytes_.insert(bytes_.end(), what.begin(), what.end());
+  events_.send(kSpawn, bytes_, to);
+}
+
+void Spawns::tell_removed(std::span<const SharedId> ids, PeerId to) {
+  bytes_.clear();
+  for (const SharedId& id : ids) {
+    put(id.high, bytes_);
+    put(id.low, bytes_);
+  }
+  events_.send(kDespawn, bytes_, to);
+}
+
+void Spawns::add(const consensus::StateUpdate& state, std::string_view what) {
+  const pbd::BodyId body = options_.make(what);
+  if (!world_.contains(body)) pbd::detail::refuse("SpawnOptions::make", "a body of the world");
+  try {
+    world_.set_pose(body, state.pose);
+    world_.set_twist(body, state.twist);
+    peer_.share({.id = state.id, .body = body});
+  } catch (...) {
+    options_.remove(body);
+    throw;
+  }
+  here_[state.id] = {body, std::string(what)};
+}
+
+void Spawns::forget(const SharedId& id) {
+  removed_.add(id);
+  const auto here = here_.extract(id);
+  if (!here) return;
+  if (peer_.body_of(id) != pbd::BodyId{}) peer_.unshare(id);
+  if (world_.contains(here.mapped().body)) options_.remove(here.mapped().body);
+}
+
+}  // namespace tandem

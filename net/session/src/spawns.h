@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tandem/session.h"
+
+namespace tandem {
+
+/// Ids of bodies that have been removed, so that what somebody says late brings none back. The
+/// oldest are forgotten: others can fill no memory.
+class RemovedIds {
+ public:
+  static constexpr std::size_t kMost = 4096;
+
+  void add(const SharedId& id);
+  bool contains(const SharedId& id) const { return known_.contains(id); }
+  const std::deque<SharedId>& in_order() const { return order_; }
+
+ private:
+  std::set<SharedId> known_;
+  std::deque<SharedId> order_;
+};
+
+/// Bodies that members make for everybody, by events (docs/sessions.md):
+///
+///     tandem.spawn    the body's state as in a packet (kHeaderBytes + kStateBytes), then `what`
+///     tandem.despawn  ids, 16 bytes each, little-endian
+///     tandem.ask      tell me all that there is; once to each member that connects
+///     tandem.told     that was all
+///
+/// A member names bodies of its own, and others' only until it has told all.
+class Spawns {
+ public:
+  /// All but the options outlive it.
+  Spawns(const SpawnOptions& options, pbd::World& world, consensus::Peer& peer,
+         consensus::EventChannel& events);
+
+  /// See Session.
+  SharedId spawn(std::string_view what, const pbd::Pose& pose, const pbd::Twist& twist,
+                 SessionTime now);
+  void despawn(const SharedId& id);
+  void join(PeerId member);
+  void leave(PeerId member) { members_.erase(member); }
+  /// Take in what the last poll has brought. @throws what SpawnOptions' functions do
+  void receive();
+  std::uint64_t refused() const { return refused_; }
+
+ private:
+  struct Here {
+    pbd::BodyId body;
+    std::string what;
+  };
+  struct Member {
+    bool told = false;      ///< has told all that there is at its side
+    bool answered = false;  ///< has been told
+  };
+
+  void add(const consensus::StateUpdate& state, std::string_view what);
+  void forget(const SharedId& id);
+  bool has_room(const SharedId& id) const;
+  void tell(const SharedId& id, const Here& here, PeerId to);
+  void tell_removed(std::span<const SharedId> ids, PeerId to);
+  void answer(PeerId member);
+  bool hear_spawn(const consensus::Event& event);
+  bool hear_despawn(const consensus::Event& event);
+
+  SpawnOptions options_;
+  pbd::World& world_;
+  consensus::Peer& peer_;
+  consensus::EventChannel& events_;
+  std::map<SharedId, Here> here_;
+  RemovedIds removed_;
+  std::map<PeerId, Member> members_;
+  std::uint64_t last_ = 0;  ///< the number of the last id made here
+  std::uint64_t refused_ = 0;
+  std::vector<std::byte> bytes_;
+  consensus::DecodedPacket packet_;
+};
+
+}  // namespace tandem
