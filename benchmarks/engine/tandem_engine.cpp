@@ -106,6 +106,10 @@ class TandemEngine final : public Engine {
       def.mass = body.mass;
       def.inertia = body.inertia.asDiagonal();
     }
+    if (body.limb) {  // as of tandem::Ragdoll
+      def.sleep_speed = 0.03;
+      def.sleep_spin = 0.3;
+    }
     ids_.push_back(world_.add_body(def));
     if (!body.collides || std::holds_alternative<NoShape>(body.shape)) return;
     shapes_.add(world_, {.body = ids_.back(),

@@ -105,6 +105,7 @@ void add_bone(Scene& scene, const Pose& frame, const Bone& bone, int parent) {
   const Quat turn = frame.orientation * Quat::FromTwoVectors(Vec3::UnitZ(), along);
   const int body = scene.add(shape, capsule_mass(shape.radius, shape.half_height),
                              {frame.to_world(0.5 * (bone.from + bone.to)), turn});
+  scene.bodies.back().limb = true;
   if (parent < 0) return;
   const JointKind kind = bone.hold.cone > 0.0 ? JointKind::Ball : JointKind::Hinge;
   constexpr double kRad = std::numbers::pi / 180.0;

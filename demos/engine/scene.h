@@ -69,6 +69,7 @@ struct SceneBody {
   double friction = 0.5;        ///< of a pair: that of both where they are equal
   double restitution = 0.0;     ///< of a pair: the larger one
   bool collides = true;         ///< false: has a size, touches nothing
+  bool limb = false;  ///< of a ragdoll, for engines whose ragdolls rest at a speed of their own
 };
 
 enum class JointKind {
