@@ -4,10 +4,10 @@
 // What members make, remove, and know of each other while a session runs, in virtual time.
 #include <cmath>
 #include <map>
-#include <optional>
+#include <memory>
 #include <random>
-#include <set>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -174,6 +174,62 @@ TEST_CASE("spawn: halves that come together have what either has, less what eith
     CHECK(member->has(common[2]));
     CHECK(member->has(of_one));
     CHECK(member->has(of_two));
+  }
+}
+
+TEST_CASE("spawn: members that are cut off, leave and start again end with the same bodies",
+          "[session][property]") {
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    constexpr int kMembers = 3;
+    std::mt19937 random(seed);
+    Fixture f(kMembers);
+    std::vector<std::unique_ptr<Member>> members(kMembers);
+    const auto start = [&](std::size_t i) {
+      members[i].reset();
+      members[i] = std::make_unique<Member>(f.transport(i + 1));
+    };
+    const auto with_all_others = [&](std::size_t i, const auto& change) {
+      for (std::size_t k = 0; k < kMembers; ++k) {
+        if (k != i) change(i + 1, k + 1);
+      }
+    };
+    for (std::size_t i = 0; i < kMembers; ++i) start(i);
+    std::vector<SharedId> ids;
+    std::vector<GrabId> grabs(kMembers);
+    for (int step = 0; step < 3000; ++step) {
+      f.advance(1, {members[0].get(), members[1].get(), members[2].get()});
+      if (step >= 2000) {
+        for (std::size_t i = 0; i < kMembers; ++i) {
+          with_all_others(i, [&](PeerId a, PeerId b) { f.network.heal(a, b); });
+        }
+        continue;
+      }
+      const std::size_t i = random() % kMembers;
+      Session& session = members[i]->session;
+      if (random() % 30 == 0) ids.push_back(session.spawn("ball", {}));
+      const SharedId any = ids.empty() ? SharedId{} : ids[random() % ids.size()];
+      if (random() % 40 == 0 && members[i]->has(any)) session.despawn(any);
+      // Whatever the others remove, a hand that held it goes on without an error.
+      if (random() % 40 == 0 && members[i]->has(any)) grabs[i] = session.grab({.body = any});
+      session.move(grabs[i], Vec3(0.1, 0.0, 0.0));
+      if (random() % 40 == 0) session.release(grabs[i]);
+      if (random() % 300 == 0) with_all_others(i, [&](PeerId a, PeerId b) { f.cut(a, b); });
+      if (random() % 200 == 0) with_all_others(i, [&](PeerId a, PeerId b) { f.heal(a, b); });
+      if (random() % 500 == 0) start(i);
+    }
+    INFO("seed " << seed);
+    std::size_t there = 0;
+    for (const SharedId& id : ids) {
+      const bool has = members[0]->has(id);
+      there += has ? 1 : 0;
+      CHECK(members[1]->has(id) == has);
+      CHECK(members[2]->has(id) == has);
+    }
+    CHECK(there > 5);
+    for (const auto& member : members) {
+      CHECK(member->made.size() == there);
+      CHECK(member->session.spawns_refused() == 0);
+    }
   }
 }
 

@@ -80,6 +80,11 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
   return {next_++};
 }
 
+bool Springs::has(GrabId id) const {
+  const auto it = ranges::lower_bound(own_, id.spring, &Own::spring);
+  return it != own_.end() && it->spring == id.spring;
+}
+
 Springs::Own& Springs::find(GrabId id) {
   const auto it = ranges::lower_bound(own_, id.spring, &Own::spring);
   if (it == own_.end() || it->spring != id.spring) {

@@ -38,6 +38,7 @@ class Springs {
   GrabId grab(const GrabDef& def, pbd::BodyId body);
   void move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now);
   void release(GrabId id, SessionTime now);
+  bool has(GrabId id) const;
 
   enum class Verdict : std::uint8_t {
     Taken,

@@ -67,7 +67,7 @@ class __attribute__((visibility("hidden"))) Session::Impl {
   }
 
   /// Of before a step: who has come and gone, and what the others have spawned.
-  void hear() {
+  void hear(SessionTime now) {
     if (!spawns && !joined && !left) return;
     roster.look(events);
     for (const PeerId id : roster.left()) {
@@ -78,7 +78,7 @@ class __attribute__((visibility("hidden"))) Session::Impl {
       if (spawns) spawns->join(id);
       if (joined) joined(id);
     }
-    if (spawns) spawns->receive();
+    if (spawns) spawns->receive(now);
   }
   Spawns& spawning() {
     if (!spawns)
@@ -146,10 +146,14 @@ void Session::on_join(std::function<void(PeerId)> joined) { impl_->joined = std:
 void Session::on_leave(std::function<void(PeerId)> left) { impl_->left = std::move(left); }
 
 GrabId Session::grab(const GrabDef& def) { return impl_->peer.grab(def); }
-void Session::move(GrabId grab, const pbd::Vec3& anchor_w) {
-  impl_->peer.move(grab, anchor_w, impl_->next_step());
+bool Session::move(GrabId grab, const pbd::Vec3& anchor_w) {
+  const bool holds = impl_->peer.holds(grab);
+  if (holds) impl_->peer.move(grab, anchor_w, impl_->next_step());
+  return holds;
 }
-void Session::release(GrabId grab) { impl_->peer.release(grab); }
+void Session::release(GrabId grab) {
+  if (impl_->peer.holds(grab)) impl_->peer.release(grab);
+}
 
 SessionTime Session::now() { return impl_->clock(); }
 
@@ -181,7 +185,7 @@ Progress Session::advance(SessionTime now, const BeforeStep& before_step) {
   } ending{own};
   for (const std::int64_t step : tick.steps) {
     own.events.poll(time);
-    own.hear();
+    own.hear(time);
     if (before_step) before_step(time);
     if (own.running && own.stopped) break;
     own.peer.before_step(time);

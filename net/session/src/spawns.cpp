@@ -15,6 +15,8 @@ constexpr std::string_view kDespawn = "tandem.despawn";
 constexpr std::string_view kAsk = "tandem.ask";
 constexpr std::string_view kTold = "tandem.told";
 
+/// ns: a member may ask as often as it likes, and is not told more often.
+constexpr SessionTime kAnswerEvery = 1'000'000'000;
 constexpr std::size_t kIdBytes = 16;
 constexpr std::size_t kIdsPerEvent = 32;
 /// All ids that spawn() makes begin their lower half so: nobody can take the id of a name before
@@ -94,18 +96,24 @@ void Spawns::join(PeerId member) {
   events_.send(kAsk, {}, member);
 }
 
-void Spawns::receive() {
+void Spawns::receive(SessionTime now) {
   for (const consensus::Event& event : events_.received()) {
+    const auto member = members_.find(event.from);
     if (event.topic == kAsk) {
-      answer(event.from);
+      if (member != members_.end()) member->second.asks = true;
     } else if (event.topic == kTold) {
-      const auto member = members_.find(event.from);
       if (member != members_.end()) member->second.told = true;
     } else if (event.topic == kSpawn) {
       refused_ += hear_spawn(event) ? 0 : 1;
     } else if (event.topic == kDespawn) {
       refused_ += hear_despawn(event) ? 0 : 1;
     }
+  }
+  for (auto& [id, member] : members_) {
+    if (!member.asks || (member.answered != 0 && now - member.answered < kAnswerEvery)) continue;
+    member.asks = false;
+    member.answered = now;
+    tell_all(id);
   }
 }
 
@@ -117,11 +125,11 @@ bool Spawns::hear_spawn(const consensus::Event& event) {
   if (packet_.states.size() != 1) return false;
   const consensus::StateUpdate& state = packet_.states.front();
   if (!is_spawned(state.id)) return false;
+  // All members tell a newcomer.
+  if (here_.contains(state.id) || removed_.contains(state.id)) return true;
   const auto member = members_.find(event.from);
   const bool tells_all = member != members_.end() && !member->second.told;
   if (state.id.high != event.from && !tells_all) return false;
-  // All members tell a newcomer.
-  if (here_.contains(state.id) || removed_.contains(state.id)) return true;
   if (!has_room(state.id)) return false;
   const std::span<const std::byte> what = payload.subspan(kState);
   try {
@@ -143,10 +151,7 @@ bool Spawns::hear_despawn(const consensus::Event& event) {
   return true;
 }
 
-void Spawns::answer(PeerId member) {
-  const auto known = members_.find(member);
-  if (known == members_.end() || known->second.answered) return;
-  known->second.answered = true;
+void Spawns::tell_all(PeerId member) {
   const std::vector<SharedId> removed(removed_.in_order().begin(), removed_.in_order().end());
   for (std::size_t i = 0; i < removed.size(); i += kIdsPerEvent) {
     const std::size_t count = std::min(kIdsPerEvent, removed.size() - i);

@@ -35,7 +35,7 @@ class RemovedIds {
 ///
 ///     tandem.spawn    the body's state as in a packet (kHeaderBytes + kStateBytes), then `what`
 ///     tandem.despawn  ids, 16 bytes each, little-endian
-///     tandem.ask      tell me all that there is; once to each member that connects
+///     tandem.ask      tell me all that there is; to each member that connects
 ///     tandem.told     that was all
 ///
 /// A member names bodies of its own, and others' only until it has told all.
@@ -51,8 +51,9 @@ class Spawns {
   void despawn(const SharedId& id);
   void join(PeerId member);
   void leave(PeerId member) { members_.erase(member); }
-  /// Take in what the last poll has brought. @throws what SpawnOptions' functions do
-  void receive();
+  /// Take in what the last poll has brought, at session time `now`. @throws what SpawnOptions'
+  /// functions do
+  void receive(SessionTime now);
   std::uint64_t refused() const { return refused_; }
 
  private:
@@ -61,8 +62,9 @@ class Spawns {
     std::string what;
   };
   struct Member {
-    bool told = false;      ///< has told all that there is at its side
-    bool answered = false;  ///< has been told
+    bool told = false;         ///< has told all that there is at its side
+    bool asks = false;         ///< has not been told since it asked
+    SessionTime answered = 0;  ///< ns, when it was told last; 0: never
   };
 
   void add(const consensus::StateUpdate& state, std::string_view what);
@@ -70,7 +72,7 @@ class Spawns {
   bool has_room(const SharedId& id) const;
   void tell(const SharedId& id, const Here& here, PeerId to);
   void tell_removed(std::span<const SharedId> ids, PeerId to);
-  void answer(PeerId member);
+  void tell_all(PeerId member);
   bool hear_spawn(const consensus::Event& event);
   bool hear_despawn(const consensus::Event& event);
 

@@ -145,7 +145,9 @@ class TANDEM_API Session {
   /// Hold a shared body with a spring. @throws as consensus::Peer::grab
   GrabId grab(const GrabDef& def);
   /// Where the hand is as the next step begins, m, world.
-  void move(GrabId grab, const pbd::Vec3& anchor_w);
+  /// @return whether it still holds: not where it was released, or somebody has removed the body
+  bool move(GrabId grab, const pbd::Vec3& anchor_w);
+  /// Let go; nothing where it holds no longer.
   void release(GrabId grab);
 
   /// Session time, ns.
