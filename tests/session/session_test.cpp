@@ -13,6 +13,7 @@
 #include "support/bodies.h"
 #include "support/catch.h"
 #include "tandem/consensus/virtual_network.h"
+#include "tandem/ragdoll.h"
 
 namespace session_test {
 
@@ -197,6 +198,28 @@ TEST_CASE("session: forgotten pieces are said", "[session][fault]") {
   }
   CHECK(room.own.target_source() == nullptr);
   Session next(room, f.transport(1));  // the world is free again
+}
+
+TEST_CASE("session: a ragdoll is shared by one call, as a whole or not at all", "[session]") {
+  Fixture f;
+  Scene near, far;
+  const Ragdoll here(near, {}), there(far, {.pose = {.position = Vec3(0.05, 0.0, 0.0)}});
+  Session one(near, f.transport(1)), two(far, f.transport(2));
+  two.share("victim/7", there.bodies()[0]);
+  CHECK(names(refusal([&] { two.share("victim", there.bodies()); }), "\"victim/0\"", "body", ""));
+  two.unshare(SharedId::from_name("victim/7"));
+  one.share("victim", here.bodies());
+  two.share("victim", there.bodies());  // nothing of the first try is left
+  CHECK(names(refusal([&] { two.share("", there.bodies()); }), "name", "empty", ""));
+  for (int i = 0; i < 240; ++i) {
+    f.network.advance_to(f.network.now() + kStep);
+    one.advance(f.network.now());
+    two.advance(f.network.now());
+  }
+  for (std::size_t i = 0; i < Ragdoll::kParts; ++i) {
+    CHECK((near.pose(here.bodies()[i]).position - far.pose(there.bodies()[i]).position).norm() <
+          2e-3);
+  }
 }
 
 TEST_CASE("session: who goes lets go at once", "[session]") {

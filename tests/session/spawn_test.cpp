@@ -148,6 +148,23 @@ TEST_CASE("spawn: a newcomer has all there is where it is now, and nothing that 
   for (Member* const member : {&one, &two, &three}) CHECK(member->session.spawns_refused() == 0);
 }
 
+TEST_CASE("spawn: a newcomer is told more than an event channel keeps", "[session]") {
+  Fixture f(2);
+  const SpawnOptions many{.max_of_one = 1024};
+  Member one(f.transport(1), many);
+  f.cut(1, 2);
+  f.advance(2, {&one});
+  const std::string longest = "ball" + std::string(SpawnOptions::kMaxBytes - 4, '.');
+  constexpr std::size_t kBodies = 520;
+  REQUIRE(kBodies * longest.size() > consensus::EventOptions{}.kept_bytes);
+  for (std::size_t i = 0; i < kBodies; ++i) one.session.spawn(longest, {});
+  f.heal(1, 2);
+  Member two(f.transport(2), many);
+  f.advance(kBodies + 60, {&one, &two});
+  CHECK(two.made.size() == kBodies);
+  CHECK(one.session.events().lost() + two.session.events().lost() == 0);
+}
+
 TEST_CASE("spawn: halves that come together have what either has, less what either removed",
           "[session][fault]") {
   Fixture f(2);
@@ -243,7 +260,8 @@ TEST_CASE("spawn: what cannot be is said, and nothing of it is left", "[session]
               "a body of the world", ""));
   CHECK(names(refusal([&] { session.spawn("ball", {.position = Vec3(NAN, 0.0, 0.0)}); }),
               "position", "finite", ""));
-  CHECK_THROWS_AS(session.spawn("ball" + std::string(1 << 17, '.'), {}), std::invalid_argument);
+  const std::string longest = "ball" + std::string(SpawnOptions::kMaxBytes - 4, '.');
+  CHECK(names(refusal([&] { session.spawn(longest + ".", {}); }), "what", "2049", "kMaxBytes"));
   CHECK(bodies() == 0);
   for (int i = 0; i < 3; ++i) session.spawn("ball", {});
   CHECK(names(refusal([&] { session.spawn("ball", {}); }), "number of bodies", "max_of_one", ""));

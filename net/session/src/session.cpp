@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "roster.h"
 #include "spawns.h"
@@ -21,6 +22,10 @@ consensus::PeerOptions peer_options(const consensus::PeerOptions& given, bool no
   // Stamps of clocks that nobody set say nothing.
   if (no_clocks) options.timestamps = consensus::TimestampSource::Arrival;
   return options;
+}
+
+void require_name(std::string_view name) {
+  if (name.empty()) pbd::detail::refuse("Session::share: name", "1 character or more", "empty");
 }
 
 /// True for as long as it lives.
@@ -121,7 +126,7 @@ void SpawnOptions::validate() const {
 }
 
 SharedId Session::share(std::string_view name, pbd::BodyId body, std::optional<PeerId> owner) {
-  if (name.empty()) pbd::detail::refuse("Session::share: name", "1 character or more", "empty");
+  require_name(name);
   const SharedId id = SharedId::from_name(name);
   try {
     impl_->peer.share({.id = id, .body = body, .owner = owner});
@@ -132,7 +137,24 @@ SharedId Session::share(std::string_view name, pbd::BodyId body, std::optional<P
   return id;
 }
 
-void Session::unshare(const SharedId& id) { impl_->peer.unshare(id); }
+void Session::share(std::string_view name, std::span<const pbd::BodyId> bodies,
+                    std::optional<PeerId> owner) {
+  require_name(name);
+  std::vector<SharedId> done;
+  try {
+    for (const pbd::BodyId body : bodies) {
+      done.push_back(share(std::string(name) + "/" + std::to_string(done.size()), body, owner));
+    }
+  } catch (...) {
+    for (const SharedId& id : done) unshare(id);
+    throw;
+  }
+}
+
+void Session::unshare(const SharedId& id) {
+  impl_->peer.unshare(id);
+  if (impl_->shared > 0) --impl_->shared;
+}
 
 SharedId Session::spawn(std::string_view what, const pbd::Pose& pose, const pbd::Twist& twist) {
   return impl_->spawning().spawn(what, pose, twist, impl_->next_step());

@@ -17,6 +17,9 @@ constexpr std::string_view kTold = "tandem.told";
 
 /// ns: a member may ask as often as it likes, and is not told more often.
 constexpr SessionTime kAnswerEvery = 1'000'000'000;
+/// Bytes that a newcomer is told in a step: at 60 steps a second no more than
+/// EventOptions::bytes_per_s lets it take.
+constexpr std::size_t kToldInStep = 2048;
 constexpr std::size_t kIdBytes = 16;
 constexpr std::size_t kIdsPerEvent = 32;
 /// All ids that spawn() makes begin their lower half so: nobody can take the id of a name before
@@ -67,6 +70,10 @@ SharedId Spawns::spawn(std::string_view what, const pbd::Pose& pose, const pbd::
   if (const consensus::CodecResult checked = consensus::check(state); !checked.ok()) {
     throw std::invalid_argument(std::string("Session::spawn: ") + checked.detail);
   }
+  if (what.size() > SpawnOptions::kMaxBytes) {
+    pbd::detail::refuse("Session::spawn: bytes of `what`", "at most SpawnOptions::kMaxBytes",
+                        static_cast<double>(what.size()));
+  }
   if (!has_room(id)) {
     pbd::detail::refuse("Session::spawn: number of bodies",
                         "below SpawnOptions' max_bodies in all and max_of_one of a member");
@@ -110,16 +117,21 @@ void Spawns::receive(SessionTime now) {
     }
   }
   for (auto& [id, member] : members_) {
-    if (!member.asks || (member.answered != 0 && now - member.answered < kAnswerEvery)) continue;
-    member.asks = false;
-    member.answered = now;
-    tell_all(id);
+    if (member.asks && (member.answered == 0 || now - member.answered >= kAnswerEvery)) {
+      member.asks = false;
+      member.answered = now;
+      member.next = SharedId{};
+      tell_all_removed(id);
+    }
+    if (member.next) tell_on(id, member);
   }
 }
 
 bool Spawns::hear_spawn(const consensus::Event& event) {
   constexpr std::size_t kState = consensus::kHeaderBytes + consensus::kStateBytes;
-  if (event.role == consensus::Role::Watch || event.payload.size() < kState) return false;
+  const std::size_t size = event.payload.size();
+  if (size < kState || size > kState + SpawnOptions::kMaxBytes) return false;
+  if (event.role == consensus::Role::Watch) return false;
   const std::span<const std::byte> payload(event.payload);
   if (!consensus::decode(payload.first(kState), packet_).ok()) return false;
   if (packet_.states.size() != 1) return false;
@@ -151,25 +163,38 @@ bool Spawns::hear_despawn(const consensus::Event& event) {
   return true;
 }
 
-void Spawns::tell_all(PeerId member) {
+void Spawns::tell_all_removed(PeerId member) {
   const std::vector<SharedId> removed(removed_.in_order().begin(), removed_.in_order().end());
   for (std::size_t i = 0; i < removed.size(); i += kIdsPerEvent) {
     const std::size_t count = std::min(kIdsPerEvent, removed.size() - i);
     tell_removed(std::span(removed).subspan(i, count), member);
   }
-  for (const auto& [id, here] : here_) tell(id, here, member);
-  events_.send(kTold, {}, member);
 }
 
-void Spawns::tell(const SharedId& id, const Here& here, PeerId to) {
-  if (!world_.contains(here.body)) return;  // the application has removed it by itself
+/// A portion; what is spawned meanwhile goes to everybody anyway.
+void Spawns::tell_on(PeerId id, Member& member) {
+  auto here = here_.lower_bound(*member.next);
+  for (std::size_t bytes = 0; here != here_.end() && bytes < kToldInStep; ++here) {
+    bytes += tell(here->first, here->second, id);
+  }
+  member.next.reset();
+  if (here != here_.end()) {
+    member.next = here->first;
+  } else {
+    events_.send(kTold, {}, id);
+  }
+}
+
+std::size_t Spawns::tell(const SharedId& id, const Here& here, PeerId to) {
+  if (!world_.contains(here.body)) return 0;  // the application has removed it by itself
   const consensus::StateUpdate state{
       .id = id, .pose = world_.pose(here.body), .twist = world_.twist(here.body)};
   bytes_.clear();
-  if (consensus::encode({&state, 1}, bytes_) == 0) return;  // further away than can be said
+  if (consensus::encode({&state, 1}, bytes_) == 0) return 0;  // further away than can be said
   const auto what = std::as_bytes(std::span(here.what));
   bytes_.insert(bytes_.end(), what.begin(), what.end());
   events_.send(kSpawn, bytes_, to);
+  return bytes_.size();
 }
 
 void Spawns::tell_removed(std::span<const SharedId> ids, PeerId to) {

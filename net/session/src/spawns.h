@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -62,17 +63,20 @@ class Spawns {
     std::string what;
   };
   struct Member {
-    bool told = false;         ///< has told all that there is at its side
-    bool asks = false;         ///< has not been told since it asked
-    SessionTime answered = 0;  ///< ns, when it was told last; 0: never
+    bool told = false;                  ///< has told all that there is at its side
+    bool asks = false;                  ///< has not been told since it asked
+    SessionTime answered = 0;           ///< ns, when it was told last; 0: never
+    std::optional<SharedId> next = {};  ///< while it is told: the least id that it has not heard
   };
 
   void add(const consensus::StateUpdate& state, std::string_view what);
   void forget(const SharedId& id);
   bool has_room(const SharedId& id) const;
-  void tell(const SharedId& id, const Here& here, PeerId to);
+  /// @return bytes
+  std::size_t tell(const SharedId& id, const Here& here, PeerId to);
   void tell_removed(std::span<const SharedId> ids, PeerId to);
-  void tell_all(PeerId member);
+  void tell_all_removed(PeerId member);
+  void tell_on(PeerId id, Member& member);
   bool hear_spawn(const consensus::Event& event);
   bool hear_despawn(const consensus::Event& event);
 

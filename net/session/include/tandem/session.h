@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "tandem/consensus/events.h"
@@ -46,6 +47,8 @@ struct TANDEM_API Simulation {
 /// Bodies that members make for everybody while a session runs, see Session::spawn(). All members
 /// have the same, or none.
 struct TANDEM_API SpawnOptions {
+  static constexpr std::size_t kMaxBytes = 2048;  ///< of `what`
+
   /// Makes the body that `what` describes, which has come from another member (untrusted) or from
   /// spawn(). Where it stands and how it moves is the session's to set. An id of no body or
   /// std::invalid_argument: there is no such thing.
@@ -122,6 +125,10 @@ class TANDEM_API Session {
   /// @throws std::invalid_argument naming the name, and what is wrong: name or body is shared
   ///   already, or the body is none that can move
   SharedId share(std::string_view name, pbd::BodyId body, std::optional<PeerId> owner = {});
+  /// Of several bodies that are one thing, as Ragdoll::bodies(): "name/0", "name/1" and so on. All
+  /// are shared, or where one cannot be none is. @throws likewise
+  void share(std::string_view name, std::span<const pbd::BodyId> bodies,
+             std::optional<PeerId> owner = {});
   /// @throws as consensus::Peer::unshare
   void unshare(const SharedId& id);
 
