@@ -54,7 +54,8 @@ def run(commands, folder, environment):
 
 def main():
     text = pathlib.Path(sys.argv[1]).read_text()
-    environment = dict(os.environ, CMAKE_PREFIX_PATH=sys.argv[2])
+    environment = dict(os.environ, CMAKE_PREFIX_PATH=sys.argv[2],
+                       CXXFLAGS="-Wall -Wextra -Werror")
     port = free_port()
     counts = {}
     with tempfile.TemporaryDirectory() as folder:

@@ -12,8 +12,8 @@ namespace tandem::collision {
 
 /// One part of a body made of several shapes.
 struct TANDEM_API CompoundPart {
-  Shape shape;
-  pbd::Pose local;       ///< of the shape in the compound's frame
+  Shape shape = {};
+  pbd::Pose local = {};  ///< of the shape in the compound's frame
   double density = 1e3;  ///< kg/m^3, > 0; read by mass_properties() only
 };
 

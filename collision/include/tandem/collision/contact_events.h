@@ -25,7 +25,7 @@ struct TANDEM_API ContactPair {
 
 /// Two colliders that ran into each other.
 struct TANDEM_API ContactHit {
-  ContactPair pair;
+  ContactPair pair = {};
   pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, world, from a to b
   double speed = 0.0;                     ///< m/s, > 0: approach along the normal

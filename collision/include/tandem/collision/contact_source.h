@@ -33,11 +33,11 @@ struct TANDEM_API ColliderId {
 /// got its colliders: where motion must not depend on how a scene was built, give each body its own
 /// ones in a fixed order.
 struct TANDEM_API ColliderDef {
-  pbd::BodyId body;
-  Shape shape;
-  pbd::Pose local;  ///< of the shape in the body's frame
-  Material material;
-  Filter filter;
+  pbd::BodyId body = {};
+  Shape shape = {};
+  pbd::Pose local = {};  ///< of the shape in the body's frame
+  Material material = {};
+  Filter filter = {};
   /// Makes no contacts: ContactEvents reports what passes through it.
   bool sensor = false;
   /// Meets colliders of dynamic bodies that are not passive, and nothing else: of a copy of a body

@@ -18,11 +18,11 @@ namespace tandem::collision {
 struct TANDEM_API QueryFilter {
   /// The query's own; the default meets whatever has any bit in its mask.
   Filter filter{.category = ~0u};
-  pbd::BodyId ignore_body;  ///< all its colliders are left out
-  bool sensors = false;     ///< sensors too
-  bool back_faces = false;  ///< rays and casts also stop at the backs of triangles
+  pbd::BodyId ignore_body = {};  ///< all its colliders are left out
+  bool sensors = false;          ///< sensors too
+  bool back_faces = false;       ///< rays and casts also stop at the backs of triangles
   /// Where set, the last word; called for candidates only, in no particular order.
-  std::function<bool(ColliderId)> accept;
+  std::function<bool(ColliderId)> accept = {};
 };
 
 struct TANDEM_API Ray {

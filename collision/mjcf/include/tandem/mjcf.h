@@ -12,9 +12,9 @@
 namespace tandem {
 
 struct TANDEM_API MjcfOptions {
-  SceneOptions scene;  ///< gravity is the model's
-  SceneLimits limits;
-  std::string keyframe;  ///< of the model, where joints start; empty: at qpos0
+  SceneOptions scene = {};  ///< gravity is the model's
+  SceneLimits limits = {};
+  std::string keyframe = {};  ///< of the model, where joints start; empty: at qpos0
   /// Meshes with hulls of more than 128 corners or flat ones, and what MuJoCo's schema does not
   /// know, are errors. Else the nearest hull is taken, what is not known is left out, and both are
   /// told.

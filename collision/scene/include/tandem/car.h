@@ -28,7 +28,7 @@ struct TANDEM_API CarDef {
   double brake_torque = 8000.0;            ///< N m, > 0, likewise
   double top_speed = 40.0;                 ///< m/s, > 0: the wheels turn no faster
   double max_steer = 0.6;                  ///< rad, 0 to 1.5
-  collision::Filter filter;                ///< of chassis and wheels; a group of its own where 0
+  collision::Filter filter = {};           ///< of chassis and wheels; a group of its own where 0
 };
 
 /// A chassis on four wheels with springs, all of them driven and braked, the two in front steered:

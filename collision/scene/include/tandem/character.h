@@ -19,7 +19,7 @@ struct TANDEM_API CharacterDef {
   double max_step = 0.35;               ///< m, >= 0, up and down without leaving the ground
   double air_acceleration = 10.0;       ///< m/s^2, >= 0, that the user has in the air
   double padding = 0.02;  ///< m, > 0, below the radius: gap that it keeps to everything
-  collision::Filter filter;
+  collision::Filter filter = {};
   std::uint64_t user_data = 0;  ///< of its body and its collider
 };
 

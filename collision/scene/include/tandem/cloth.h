@@ -13,7 +13,7 @@ namespace tandem {
 
 /// Its frame is that of a flat rectangle: u along x, v along y, both 0 in the corner at the origin.
 struct TANDEM_API ClothDef {
-  Pose pose;
+  Pose pose = {};
   double width = 1.0;       ///< m, > 0, along x
   double height = 1.0;      ///< m, > 0, along y
   int columns = 20;         ///< particles along x, at least 2
@@ -25,8 +25,8 @@ struct TANDEM_API ClothDef {
   double shearing = 50.0;   ///< N/m, >= 0, likewise along the diagonals; 0 = none
   double bending = 1e-4;    ///< N m, >= 0: moment on each metre of width for each curvature
   double damping = 0.2;     ///< 1/s, >= 0, by the air
-  collision::Material material;
-  collision::Filter filter;  ///< a group of its own where that is 0: it does not touch itself
+  collision::Material material = {};
+  collision::Filter filter = {};  ///< a group of its own where that is 0: it does not touch itself
 };
 
 /// A rectangle of cloth of point masses, each a body of the world:

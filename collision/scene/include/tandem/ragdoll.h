@@ -13,12 +13,13 @@ namespace tandem {
 
 /// Its frame stands between the feet: x forward, y left, z up.
 struct TANDEM_API RagdollDef {
-  Pose pose;
+  Pose pose = {};
   double height = 1.75;  ///< m, > 0
   double mass = 70.0;    ///< kg, > 0, of all of it
   double damping = 2.0;  ///< N m s/rad, >= 0, of each joint: how limp it is
-  collision::Material material;
-  collision::Filter filter;  ///< a group of its own where that is 0: limbs pass through each other
+  collision::Material material = {};
+  /// A group of its own where that is 0: limbs pass through each other.
+  collision::Filter filter = {};
   std::uint64_t user_data = 0;
 };
 

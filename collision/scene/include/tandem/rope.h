@@ -12,18 +12,18 @@
 namespace tandem {
 
 struct TANDEM_API RopeDef {
-  Vec3 from = Vec3::Zero();      ///< m, world
-  Vec3 to = Vec3::UnitX();       ///< m, world
-  std::optional<double> length;  ///< m, at least the distance, which it is where not given: a
-                                 ///< longer one starts as two straight halves that hang
-  int particles = 20;            ///< at least 2, the ends included; an odd number if it hangs
-  double mass = 0.5;             ///< kg, > 0, of all of it
-  double radius = 0.01;          ///< m, > 0: it touches others as balls of this size
-  double compliance = 0.0;       ///< 1/N, >= 0: strain for each newton
-  double bending = 0.0;          ///< N m^2, >= 0: moment for each curvature
-  double damping = 0.1;          ///< 1/s, >= 0, by the air
-  collision::Material material;
-  collision::Filter filter;  ///< a group of its own where that is 0: it does not touch itself
+  Vec3 from = Vec3::Zero();           ///< m, world
+  Vec3 to = Vec3::UnitX();            ///< m, world
+  std::optional<double> length = {};  ///< m, at least the distance, which it is where not given: a
+                                      ///< longer one starts as two straight halves that hang
+  int particles = 20;                 ///< at least 2, the ends included; an odd number if it hangs
+  double mass = 0.5;                  ///< kg, > 0, of all of it
+  double radius = 0.01;               ///< m, > 0: it touches others as balls of this size
+  double compliance = 0.0;            ///< 1/N, >= 0: strain for each newton
+  double bending = 0.0;               ///< N m^2, >= 0: moment for each curvature
+  double damping = 0.1;               ///< 1/s, >= 0, by the air
+  collision::Material material = {};
+  collision::Filter filter = {};  ///< a group of its own where that is 0: it does not touch itself
 };
 
 /// A rope of point masses, each a body of the world:

@@ -34,31 +34,32 @@ using pbd::Vec3;
 
 struct TANDEM_API SceneOptions {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);  ///< m/s^2
-  pbd::SolverOptions solver;
-  collision::CollisionOptions collision;
-  collision::ContactEventOptions events;
+  pbd::SolverOptions solver = {};
+  collision::CollisionOptions collision = {};
+  collision::ContactEventOptions events = {};
 };
 
 /// A body with a shape, or with several as one.
 struct TANDEM_API SolidDef {
   BodyType type = BodyType::Dynamic;
-  double density = 1000.0;       ///< kg/m^3, > 0; of parts, each has its own
-  std::optional<double> mass;    ///< kg, > 0, whatever the density; neither is read unless dynamic
-  Pose pose;                     ///< of the shape's frame, see Scene::pose()
-  pbd::Twist twist;              ///< of the centre of mass
-  collision::Material material;  ///< of the surface
-  collision::Filter filter;      ///< whom it meets; collision::Layers has names for that
-  bool sensor = false;           ///< touches nothing and tells what is in it
+  double density = 1000.0;  ///< kg/m^3, > 0; of parts, each has its own
+  /// kg, > 0, whatever the density; neither is read unless dynamic.
+  std::optional<double> mass = {};
+  Pose pose = {};                     ///< of the shape's frame, see Scene::pose()
+  pbd::Twist twist = {};              ///< of the centre of mass
+  collision::Material material = {};  ///< of the surface
+  collision::Filter filter = {};      ///< whom it meets; collision::Layers has names for that
+  bool sensor = false;                ///< touches nothing and tells what is in it
   double gravity_scale = 1.0;
   double linear_damping = 0.0;   ///< 1/s, >= 0
   double angular_damping = 0.0;  ///< 1/s, >= 0
-  pbd::AxisLocks locks;
+  pbd::AxisLocks locks = {};
   bool bullet = false;  ///< small and fast
   bool can_sleep = true;
-  std::optional<double> sleep_speed;       ///< m/s, see pbd::BodyDef
-  std::optional<double> sleep_spin;        ///< rad/s, likewise
-  std::optional<std::uint64_t> stable_id;  ///< see pbd::BodyOrder
-  std::uint64_t user_data = 0;             ///< the application's own, of body and colliders
+  std::optional<double> sleep_speed = {};       ///< m/s, see pbd::BodyDef
+  std::optional<double> sleep_spin = {};        ///< rad/s, likewise
+  std::optional<std::uint64_t> stable_id = {};  ///< see pbd::BodyOrder
+  std::uint64_t user_data = 0;                  ///< the application's own, of body and colliders
 };
 
 /// A world with its shapes and its solver:
@@ -102,6 +103,15 @@ class TANDEM_API Scene {
   /// It is BodyProps::origin, and so part of snapshots.
   Pose pose(BodyId body) const;
   void set_pose(BodyId body, const Pose& pose);
+  /// Of the centre of mass.
+  const pbd::Twist& twist(BodyId body) const { return world().twist(body); }
+  void set_twist(BodyId body, const pbd::Twist& twist) { world().set_twist(body, twist); }
+  /// Change a dynamic body's velocity at once. @param impulse  N s, world
+  void apply_impulse(BodyId body, const Vec3& impulse) { world().apply_impulse(body, impulse); }
+  /// @param at  m, world, where it is hit
+  void apply_impulse(BodyId body, const Vec3& impulse, const Vec3& at) {
+    world().apply_impulse(body, impulse, at);
+  }
 
   /// Throws nothing; @see pbd::Solver::step. Steps shorter than pbd::kShortestStep are gathered:
   /// nothing moves and the status is InvalidStep until they are long enough together, or until a

@@ -39,8 +39,8 @@ struct TANDEM_API SceneFile {
   /// servo whose force has a bound is by itself: it pulls with that less damping * speed, or with
   /// max_force where that is more.
   struct TANDEM_API Actuator {
-    std::string name;  ///< may be empty
-    pbd::JointId joint;
+    std::string name = {};  ///< may be empty
+    pbd::JointId joint = {};
     int coordinate = 0;      ///< as those of pbd::JointState::position
     double control = 0.0;    ///< in the file's unit
     double lower = 0.0;      ///< of the control

@@ -14,8 +14,8 @@
 namespace tandem {
 
 struct TANDEM_API UrdfOptions {
-  SceneOptions scene;
-  Pose base;                 ///< of the root link's frame
+  SceneOptions scene = {};
+  Pose base = {};            ///< of the root link's frame
   bool fixed_base = true;    ///< the root link is static
   double tip_mass = 1e-3;    ///< kg, > 0, of links that move by themselves and have none
   double tip_radius = 0.01;  ///< m, > 0, of the ball whose inertia those have
@@ -31,7 +31,7 @@ struct TANDEM_API UrdfOptions {
   /// Whether joints that mimic another one are coupled with it (pbd::JointCoupling), which no scene
   /// file has: write_scene() refuses such a scene. Else they move freely, and are told.
   bool mimic = true;
-  SceneLimits limits;
+  SceneLimits limits = {};
 };
 
 /// A robot by URDF, read with Debian's urdfdom: links as bodies, at all joints' zero or as

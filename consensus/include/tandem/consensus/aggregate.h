@@ -14,10 +14,10 @@ namespace tandem::consensus {
 /// One peer's state of a body, carried to now by a predictor.
 struct TANDEM_API PeerEstimate {
   PeerId peer = 0;
-  pbd::Pose pose;       ///< world
-  pbd::Twist twist;     ///< world
-  double share = 0.0;   ///< what counts now, 1 or more = an owner
-  double weight = 0.0;  ///< set by fuse(): against the local 1, or 1 per owner where there is one
+  pbd::Pose pose = {};    ///< world
+  pbd::Twist twist = {};  ///< world
+  double share = 0.0;     ///< what counts now, 1 or more = an owner
+  double weight = 0.0;    ///< set by fuse(): against the local 1, or 1 per owner where there is one
 };
 
 /// Fuse any number of remote states of one body into one target, [friston] Eqs. 1 and 2 with the

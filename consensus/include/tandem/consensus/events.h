@@ -20,8 +20,8 @@ struct TANDEM_API Event {
   PeerId from = 0;
   Role role = Role::Share;  ///< of its sender, as the transport knows it
   SessionTime stamp = 0;    ///< ns, when it was sent
-  std::string topic;        ///< untrusted, as the payload is
-  std::vector<std::byte> payload;
+  std::string topic = {};   ///< untrusted, as the payload is
+  std::vector<std::byte> payload = {};
 };
 
 struct TANDEM_API EventOptions {

@@ -90,17 +90,17 @@ struct TANDEM_API SendOptions {
 struct TANDEM_API PeerOptions {
   double update_hz = 60.0;  ///< states sent each second, > 0
   TimestampSource timestamps = TimestampSource::Sender;
-  SendOptions sending;
-  InfluenceOptions influence;
+  SendOptions sending = {};
+  InfluenceOptions influence = {};
   PredictorKind predictor = PredictorKind::Replay;
-  ReplayOptions replay;
-  PredictorOptions prediction;
+  ReplayOptions replay = {};
+  PredictorOptions prediction = {};
   /// Of the application's own making, in place of `predictor`; null = that one. Where what it says
   /// is not finite the state counts as it was stamped. Peers of one session need not have the same.
   std::shared_ptr<const Predictor> own_predictor = nullptr;
   /// How far others are believed.
-  RobustOptions robust;
-  PlausibilityOptions plausibility;
+  RobustOptions robust = {};
+  PlausibilityOptions plausibility = {};
   Coupling coupling = Coupling::OnePass;
   /// Of TwoStep: leave positions, orientations and velocities alone, each by itself, that differ by
   /// less than 1 mm, 1 degree, 1 cm/s and 0.01 rad/s, as in [friston] Sec. 4.6. Without, only
@@ -132,12 +132,12 @@ struct TANDEM_API PeerOptions {
 
 /// A body that all peers know under one id.
 struct TANDEM_API ShareDef {
-  SharedId id;
-  pbd::BodyId body;
+  SharedId id = {};
+  pbd::BodyId body = {};
   /// Whose hand moves it, where it is nobody's but theirs: that peer's states count 100 % at the
   /// others and the others' count nothing there. A body that is kinematic there may be so here:
   /// it goes along, and pushes as any kinematic body does.
-  std::optional<PeerId> owner;
+  std::optional<PeerId> owner = {};
   /// Whether it matters how the body is turned: not of a uniform sphere that is drawn plain. Else
   /// the compact format leaves it out, and nothing here is turned to agree.
   bool orientation = true;
@@ -145,7 +145,7 @@ struct TANDEM_API ShareDef {
 
 /// A user's spring on a shared body.
 struct TANDEM_API GrabDef {
-  SharedId body;
+  SharedId body = {};
   pbd::Vec3 attachment_l = pbd::Vec3::Zero();  ///< m, frame of the body
   pbd::Vec3 anchor_w = pbd::Vec3::Zero();      ///< m, world
   double stiffness = 500.0;                    ///< N/m
@@ -222,7 +222,7 @@ class TANDEM_API Interest {
 /// A body that somebody's user holds by a spring.
 struct TANDEM_API HeldBody {
   PeerId user = 0;  ///< at that peer
-  pbd::BodyId body;
+  pbd::BodyId body = {};
   pbd::Vec3 anchor_w = pbd::Vec3::Zero();  ///< m, world: where the hand is
 };
 

@@ -15,8 +15,8 @@ namespace tandem::consensus {
 /// One body of this peer at one time.
 struct TANDEM_API MotionSample {
   SessionTime time = 0;  ///< ns
-  pbd::Pose pose;
-  pbd::Twist twist;
+  pbd::Pose pose = {};
+  pbd::Twist twist = {};
 };
 
 /// The last second or so of one body of this peer.

@@ -36,7 +36,7 @@ enum class Role : std::uint8_t {
 /// Bytes from one peer, exactly as that peer posted them. Untrusted.
 struct TANDEM_API Packet {
   PeerId from = 0;
-  std::vector<std::byte> bytes;
+  std::vector<std::byte> bytes = {};
   /// When they came; the least value where the transport does not say.
   SessionTime received = INT64_MIN;
   /// What its sender may do, as the transport knows it.
@@ -47,7 +47,7 @@ struct TANDEM_API Packet {
 struct TANDEM_API PeerStatus {
   PeerId id = 0;
   bool connected = false;
-  std::string reason;  ///< why it is not connected; empty where it is
+  std::string reason = {};  ///< why it is not connected; empty where it is
   std::uint64_t packets_in = 0;
   std::uint64_t packets_out = 0;
   std::uint64_t bytes_in = 0;

@@ -33,12 +33,12 @@ struct TANDEM_API UpdateFlags {
 /// On the wire: position 64-bit floats, velocities and influence 32-bit floats, orientation four
 /// 32-bit fixed-point numbers (2^-30, so turned by less than 2e-9 rad by the rounding).
 struct TANDEM_API StateUpdate {
-  SharedId id;
-  pbd::Pose pose;          ///< of the centre of mass, world
-  pbd::Twist twist;        ///< world
+  SharedId id = {};
+  pbd::Pose pose = {};     ///< of the centre of mass, world
+  pbd::Twist twist = {};   ///< world
   float influence = 0.0f;  ///< share per 1/60 s of session time, 0 to 1; 1 = the sender owns it
   SessionTime stamp = 0;   ///< ns, session time of the state
-  UpdateFlags flags;
+  UpdateFlags flags = {};
   /// It came in the compact format: within half a quantum of what the sender has. Not sent.
   bool rounded = false;
   /// The orientation is said, see ShareDef::orientation. The full format always says it.
@@ -53,7 +53,7 @@ struct TANDEM_API SpringUpdate {
   std::uint32_t spring = 0;    ///< unique per sender
   std::uint32_t revision = 0;  ///< grows with each event of this spring
   SpringEvent event = SpringEvent::Create;
-  SharedId body;
+  SharedId body = {};
   pbd::Vec3 attachment_l = pbd::Vec3::Zero();     ///< m, frame of the body
   pbd::Vec3 anchor_w = pbd::Vec3::Zero();         ///< m, world, at the stamp
   pbd::Vec3 anchor_velocity = pbd::Vec3::Zero();  ///< m/s, world, at the stamp
@@ -67,7 +67,7 @@ enum class OwnershipEvent : std::uint8_t { Request = 1, Grant = 2 };
 
 /// Who owns a body, between peers of Coupling::SingleOwner.
 struct TANDEM_API OwnershipUpdate {
-  SharedId body;
+  SharedId body = {};
   PeerId to = 0;  ///< whom it is asked of, or granted to; never 0
   OwnershipEvent event = OwnershipEvent::Request;
   SessionTime stamp = 0;  ///< ns: when the sender's user began to act, or when it was granted

@@ -14,7 +14,7 @@ namespace tandem::net {
 
 /// Where a peer listens.
 struct TANDEM_API HostPort {
-  std::string host;        ///< name or address; IPv6 without brackets
+  std::string host = {};   ///< name or address; IPv6 without brackets
   std::uint16_t port = 0;  ///< 1 to 65535
 
   friend bool operator==(const HostPort&, const HostPort&) = default;

@@ -31,21 +31,22 @@ struct TANDEM_API TcpOptions {
   PeerId self = 0;               ///< unique in the session, never 0
   std::uint64_t scene_hash = 0;  ///< peers with another one are refused
   /// Port to accept peers on; 0 takes a free one (local_port()); none: this peer only dials.
-  std::optional<std::uint16_t> listen_port;
+  std::optional<std::uint16_t> listen_port = {};
   std::string listen_address = "0.0.0.0";  ///< numeric; "::" for IPv6 and IPv4
   /// Peers to dial. One is enough: it tells the addresses of the others. Names (not addresses) are
   /// looked up by the system, whose time-out may then delay the destructor.
-  std::vector<HostPort> connect;
+  std::vector<HostPort> connect = {};
 
   /// The same for all members, not zero: frames are encrypted and authenticated. None: they are in
   /// the clear, and all addresses must be loopback ones unless `insecure` says otherwise.
-  std::optional<Key> session_key;
-  std::optional<Key> identity;       ///< secret of this peer, with session_key; none: a new one
-  std::vector<TrustedPeer> trusted;  ///< other peers; neither they nor an organiser: any member
+  std::optional<Key> session_key = {};
+  std::optional<Key> identity = {};  ///< secret of this peer, with session_key; none: a new one
+  /// Other peers; neither they nor an organiser: any member.
+  std::vector<TrustedPeer> trusted = {};
   /// Whose certificates let others in, and who may change the group: his public key.
-  std::optional<Key> organiser;
-  std::vector<std::byte> certificate;  ///< of this peer, see sign(Certificate); with organiser
-  bool insecure = false;               ///< frames in the clear over any network, no session_key
+  std::optional<Key> organiser = {};
+  std::vector<std::byte> certificate = {};  ///< of this peer, see sign(Certificate); with organiser
+  bool insecure = false;  ///< frames in the clear over any network, no session_key
 
   std::uint32_t max_frame_bytes = 64 * 1024;          ///< longest payload, in [64, 16 MiB]
   std::size_t send_queue_bytes = 1024 * 1024;         ///< per peer, >= 2 * max_frame_bytes

@@ -31,18 +31,18 @@ class UdpTransport;
 struct TANDEM_API UdpOptions {
   using Transport = UdpTransport;  ///< what they are options of
 
-  consensus::PeerId self = 0;       ///< unique in the session, never 0
-  std::uint64_t scene_hash = 0;     ///< peers with another one are refused
-  std::uint16_t port = 0;           ///< one socket for all; 0 takes a free one (local_port())
-  std::string address = "0.0.0.0";  ///< numeric; "::" for IPv6 and IPv4
-  std::vector<HostPort> connect;    ///< one is enough; names are looked up until they are found
+  consensus::PeerId self = 0;          ///< unique in the session, never 0
+  std::uint64_t scene_hash = 0;        ///< peers with another one are refused
+  std::uint16_t port = 0;              ///< one socket for all; 0 takes a free one (local_port())
+  std::string address = "0.0.0.0";     ///< numeric; "::" for IPv6 and IPv4
+  std::vector<HostPort> connect = {};  ///< one is enough; names are looked up until they are found
 
-  UdpKey session_key{};             ///< the same for all members, not zero
-  std::optional<UdpKey> identity;   ///< secret of this peer; none: a new one
-  std::vector<UdpTrusted> trusted;  ///< other peers; neither they nor an organiser: any member
+  UdpKey session_key{};                  ///< the same for all members, not zero
+  std::optional<UdpKey> identity = {};   ///< secret of this peer; none: a new one
+  std::vector<UdpTrusted> trusted = {};  ///< other peers; neither they nor an organiser: any member
   /// Whose certificates let others in, and who may change the group: his public key.
-  std::optional<UdpKey> organiser;
-  std::vector<std::byte> certificate;  ///< of this peer, see sign(Certificate); with organiser
+  std::optional<UdpKey> organiser = {};
+  std::vector<std::byte> certificate = {};  ///< of this peer, see sign(Certificate); with organiser
 
   double kbit_per_s = 256.0;     ///< budget of each link, IP and UDP headers counted
   double min_kbit_per_s = 32.0;  ///< congestion does not go below; in (0, kbit_per_s]

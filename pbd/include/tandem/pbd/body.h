@@ -45,14 +45,14 @@ struct TANDEM_API AxisLocks {
 /// How a body starts. Mass and inertia are read for dynamic bodies only.
 struct TANDEM_API BodyDef {
   BodyType type = BodyType::Dynamic;
-  Pose pose;                              ///< of the centre of mass
-  Twist twist;                            ///< ignored for static bodies
+  Pose pose = {};                         ///< of the centre of mass
+  Twist twist = {};                       ///< ignored for static bodies
   double mass = 1.0;                      ///< kg, > 0
   Mat3 inertia = Mat3::Identity() * 0.4;  ///< kg m^2, about the centre of mass, body frame
   double gravity_scale = 1.0;             ///< multiplies the world's gravity for this body
   double linear_damping = 0.0;            ///< 1/s, >= 0: v decays as exp(-damping t)
   double angular_damping = 0.0;           ///< 1/s, >= 0
-  AxisLocks locks;                        ///< dynamic bodies only
+  AxisLocks locks = {};                   ///< dynamic bodies only
   bool bullet = false;    ///< contacts look for the time of impact along its path: small and fast
   bool can_sleep = true;  ///< may be put to rest with its island
   /// m/s and rad/s, 0 to 1e6: slower ones may rest, in place of SolverOptions::sleep_speed and

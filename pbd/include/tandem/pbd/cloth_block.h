@@ -27,24 +27,24 @@ struct TANDEM_API ClothRowId {
 /// C_i = |x_i+1 - x_i| - length_i [m]. All rows of a strand are solved at once, by a tridiagonal
 /// system, so that a strand holds whatever hangs on it.
 struct TANDEM_API StrandDef {
-  std::vector<BodyId> points;   ///< at least 2; their centres of mass
-  std::vector<double> lengths;  ///< m, > 0, one less than points; empty: as they are now
-  double compliance = 0.0;      ///< 1/N, >= 0: strain for each newton; 0 = rigid
+  std::vector<BodyId> points = {};   ///< at least 2; their centres of mass
+  std::vector<double> lengths = {};  ///< m, > 0, one less than points; empty: as they are now
+  double compliance = 0.0;           ///< 1/N, >= 0: strain for each newton; 0 = rigid
 };
 
 /// Two points that are never further apart, over a long way: what cloth would need many sweeps for.
 /// C = |x_b - x_a| - length <= 0 [m]. Source: [kim2012].
 struct TANDEM_API ClothTetherDef {
-  BodyId a, b;
+  BodyId a = {}, b = {};
   double length = 0.0;  ///< m, > 0
 };
 
 /// A weighted sum of points is zero: C = sum w_i x_i [m]. Weights 1, -2, 1 resist bending of a
 /// strand; -1 and some that add up to 1 hold a body to the mean of particles.
 struct TANDEM_API MeanDef {
-  std::vector<BodyId> points;   ///< at least 2, each once
-  std::vector<double> weights;  ///< one for each; their sum is 0
-  double compliance = 0.0;      ///< m/N, >= 0; 0 = rigid
+  std::vector<BodyId> points = {};   ///< at least 2, each once
+  std::vector<double> weights = {};  ///< one for each; their sum is 0
+  double compliance = 0.0;           ///< m/N, >= 0; 0 = rigid
   /// The first point is where agreement between peers acts: it leads the others where agreement
   /// moves it, and goes to where they could follow. Without effect on momentum.
   bool leads = false;
@@ -52,8 +52,8 @@ struct TANDEM_API MeanDef {
 
 /// A particle is held by a body: from then on both are moved by strands as one mass.
 struct TANDEM_API AttachmentDef {
-  BodyId particle;
-  BodyId host;
+  BodyId particle = {};
+  BodyId host = {};
   Vec3 anchor_l = Vec3::Zero();  ///< m, frame of the host
 };
 

@@ -21,8 +21,8 @@ class TANDEM_API DistanceJoint {
   static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);
 
   struct Def {
-    BodyId a;  ///< the invalid id stands for the world
-    BodyId b;
+    BodyId a = {};  ///< the invalid id stands for the world
+    BodyId b = {};
     Vec3 anchor_a_l = Vec3::Zero();  ///< m, frame of a (world frame where a is the world)
     Vec3 anchor_b_l = Vec3::Zero();  ///< m, frame of b
     double rest_length = 0.0;        ///< m, >= 0

@@ -23,9 +23,9 @@ class TANDEM_API JointCoupling {
 
   /// The bodies and frames of a joint, and which of its coordinates is free.
   struct TANDEM_API Side {
-    BodyId a;  ///< the invalid id stands for the world
-    BodyId b;
-    JointFrame frame_a, frame_b;
+    BodyId a = {};  ///< the invalid id stands for the world
+    BodyId b = {};
+    JointFrame frame_a = {}, frame_b = {};
     bool slides = false;  ///< along x, m; else it turns about x, rad
     double start = 0.0;   ///< rad, where it stands as the row is added: which turn it is on
 
@@ -33,7 +33,7 @@ class TANDEM_API JointCoupling {
     int coordinate() const { return slides ? 0 : 3; }
   };
   struct TANDEM_API Def {
-    Side one, two;
+    Side one = {}, two = {};
     double ratio = 1.0;
     double offset = 0.0;  ///< rad or m
     bool enabled = true;

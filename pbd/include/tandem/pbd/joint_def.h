@@ -69,8 +69,8 @@ struct TANDEM_API JointAxis {
   double upper = 0.0;
   double compliance = 0.0;
   double damping = 0.0;
-  JointSpring spring;  ///< none where Locked
-  JointMotor motor;    ///< none where Locked
+  JointSpring spring = {};  ///< none where Locked
+  JointMotor motor = {};    ///< none where Locked
   /// N or N m, >= 0, none where Locked: resists motion along the coordinate with at most this, dry
   /// friction. A motor that is on takes its place, unless it is a servo.
   double friction = 0.0;
@@ -101,16 +101,16 @@ struct TANDEM_API BallDrive {
 
 /// The general joint; the others are short forms of it. Body b moves in the frame of body a.
 struct TANDEM_API SixDofJointDef {
-  BodyId a;  ///< the invalid id stands for the world
-  BodyId b;
-  JointFrame frame_a, frame_b;
-  std::array<JointAxis, 3> linear;   ///< along the axes of frame a
-  std::array<JointAxis, 3> angular;  ///< twist about x, swing about y, swing about z
+  BodyId a = {};  ///< the invalid id stands for the world
+  BodyId b = {};
+  JointFrame frame_a = {}, frame_b = {};
+  std::array<JointAxis, 3> linear = {};   ///< along the axes of frame a
+  std::array<JointAxis, 3> angular = {};  ///< twist about x, swing about y, swing about z
   /// rad, > 0: largest angle between the x axes; in place of limits on the two swings.
   double cone = kUnlimited;
   double cone_compliance = 0.0;  ///< rad/(N m), >= 0
   double cone_damping = 0.0;     ///< N m s/rad, >= 0; without effect where the cone is rigid
-  BallDrive drive;               ///< in place of springs, motors and friction of angular axes
+  BallDrive drive = {};          ///< in place of springs, motors and friction of angular axes
   double break_force = 0.0;      ///< N, >= 0; beyond it the joint is disabled; 0 = never
   double break_torque = 0.0;     ///< N m, likewise
   /// rad: a joint is added on the turn that lies within its limits, and of several on the one
@@ -127,8 +127,8 @@ struct TANDEM_API SixDofJointDef {
 
 /// Holds b in a: no freedom.
 struct TANDEM_API FixedJointDef {
-  BodyId a, b;  ///< as above
-  JointFrame frame_a, frame_b;
+  BodyId a = {}, b = {};  ///< as above
+  JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
   double angular_compliance = 0.0;  ///< rad/(N m)
@@ -141,8 +141,8 @@ struct TANDEM_API FixedJointDef {
 
 /// Holds a point of b at a point of a.
 struct TANDEM_API BallJointDef {
-  BodyId a, b;  ///< as above
-  JointFrame frame_a, frame_b;
+  BodyId a = {}, b = {};  ///< as above
+  JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
   double angular_compliance = 0.0;  ///< rad/(N m)
@@ -153,22 +153,22 @@ struct TANDEM_API BallJointDef {
   bool limit_twist = false;         ///< by the next two
   double lower_twist = 0.0;         ///< rad
   double upper_twist = 0.0;         ///< rad
-  BallDrive drive;                  ///< motor, spring and friction of the ball
+  BallDrive drive = {};             ///< motor, spring and friction of the ball
   bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
 /// Lets b turn about the x axis of a. Limits, spring and motor are those of `axis`.
 struct TANDEM_API HingeJointDef {
-  BodyId a, b;  ///< as above
-  JointFrame frame_a, frame_b;
+  BodyId a = {}, b = {};  ///< as above
+  JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
   double angular_compliance = 0.0;  ///< rad/(N m)
   double angular_damping = 0.0;     ///< N m s/rad
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
-  JointAxis axis;                   ///< rad, N m
+  JointAxis axis = {};              ///< rad, N m
   double start = 0.0;               ///< rad, as above
   bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
@@ -177,15 +177,15 @@ struct TANDEM_API HingeJointDef {
 /// Lets b move along the x axis of a, without turning. Limits, spring and motor are those of
 /// `axis`.
 struct TANDEM_API SliderJointDef {
-  BodyId a, b;  ///< as above
-  JointFrame frame_a, frame_b;
+  BodyId a = {}, b = {};  ///< as above
+  JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
   double angular_compliance = 0.0;  ///< rad/(N m)
   double angular_damping = 0.0;     ///< N m s/rad
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
-  JointAxis axis;                   ///< m, N
+  JointAxis axis = {};              ///< m, N
   bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
@@ -193,17 +193,17 @@ struct TANDEM_API SliderJointDef {
 /// Holds a wheel, b, under a chassis, a: it turns about x, the axle, and moves along z, the way of
 /// its suspension. Steering turns the axle about z: JointBlock::set() with another angle.
 struct TANDEM_API WheelJointDef {
-  BodyId a, b;  ///< as above
-  JointFrame frame_a, frame_b;
+  BodyId a = {}, b = {};  ///< as above
+  JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
   double angular_compliance = 0.0;  ///< rad/(N m)
   double angular_damping = 0.0;     ///< N m s/rad
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
-  JointAxis suspension;             ///< m, N: spring and stops along z, positive when compressed
+  JointAxis suspension = {};        ///< m, N: spring and stops along z, positive when compressed
   double steer = 0.0;               ///< rad, about z
-  JointMotor drive;                 ///< of the axle, rad/s, N m
+  JointMotor drive = {};            ///< of the axle, rad/s, N m
   double brake = 0.0;               ///< N m, >= 0: above 0 it holds the axle, and nothing drives it
   bool collide_connected = true;    ///< as above
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)

@@ -16,7 +16,7 @@ namespace tandem::pbd {
 /// Where a kinematic body is to be after the next step.
 struct TANDEM_API KinematicTarget {
   std::uint32_t index = 0;  ///< slot
-  Pose pose;                ///< m, world
+  Pose pose = {};           ///< m, world
 };
 
 /// At most one target for each body; each is found by its body's slot.

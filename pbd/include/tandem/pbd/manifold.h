@@ -52,7 +52,7 @@ struct TANDEM_API Manifold {
   std::uint32_t version = 0;
   /// Of a contact that was restored: fits all.
   static constexpr std::uint32_t kAnyVersion = 0xffffffffu;
-  std::array<ManifoldPoint, kMaxPoints> points;
+  std::array<ManifoldPoint, kMaxPoints> points = {};
 };
 
 /// How far a body may go in the step that was just solved.

@@ -28,9 +28,9 @@ enum class TargetMotion : std::uint8_t {
 /// Free body: x* = x + share (x_target - x), the weighted average of [friston] Eq. 1 with the local
 /// weight 1 and the remote weight share / (1 - share).
 struct TANDEM_API PoseTarget {
-  BodyId body;
-  Pose pose;           ///< at the start of the step to come, world
-  Twist twist;         ///< world
+  BodyId body = {};
+  Pose pose = {};      ///< at the start of the step to come, world
+  Twist twist = {};    ///< world
   double share = 0.0;  ///< of the gap closed per 1/60 s, 0 to 1; 1 = the remote owns the body
   TargetMotion motion = TargetMotion::WithBody;
   /// Rotation vector (rad, world) from the local orientation to the target's, used in place of

@@ -31,7 +31,7 @@ struct TANDEM_API SolverOptions {
   int velocity_iterations = 1;
   /// m/s: they stop when no row changes by more.
   double velocity_tolerance = 1e-7;
-  ContactOptions contact;
+  ContactOptions contact = {};
   /// Give islands that need it (tall stacks, heavy bodies on light ones, joints that turn fast)
   /// more substeps, 2 to 32 times as many, for as long as they do.
   bool refine = true;

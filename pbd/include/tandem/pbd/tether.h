@@ -23,7 +23,7 @@ class TANDEM_API Tether {
   static constexpr double kMaxStiffness = 1e15;
 
   struct Def {
-    BodyId body;
+    BodyId body = {};
     Vec3 anchor_l = Vec3::Zero();  ///< m, frame of the body
     /// m, world, at the start of the next step. Steps carry it on by `anchor_velocity`, so that
     /// Tethers::def() tells where it has come to, not where it was set.

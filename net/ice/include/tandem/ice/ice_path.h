@@ -25,10 +25,10 @@ struct TANDEM_API TurnServer {
 /// Who helps two peers behind NATs to find each other. Names are looked up once, at the start, and
 /// that waits. None of these servers reads anything, and none is trusted.
 struct TANDEM_API IceOptions {
-  std::vector<net::HostPort> stun;  ///< at most one: tells this peer how it is seen (RFC 8489)
-  std::vector<TurnServer> turn;
-  std::string address;      ///< numeric, use this one of the host alone; empty: all
-  bool relay_only = false;  ///< through TURN alone: the peer does not learn this host's addresses
+  std::vector<net::HostPort> stun = {};  ///< at most one: tells this peer how it is seen (RFC 8489)
+  std::vector<TurnServer> turn = {};
+  std::string address = {};  ///< numeric, use this one of the host alone; empty: all
+  bool relay_only = false;   ///< through TURN alone: the peer does not learn this host's addresses
 
   /// Throws std::invalid_argument that says what the field must be and what it is.
   void validate() const;

@@ -42,8 +42,8 @@ struct TANDEM_API NetworkModel {
 struct TANDEM_API ClusterOptions {
   pbd::Vec3 gravity = pbd::Vec3(0.0, 0.0, -9.81);  ///< m/s^2
   /// Of the whole world: of ContactOptions::extra_rows each rank has its share.
-  pbd::SolverOptions solver;
-  collision::CollisionOptions collision;
+  pbd::SolverOptions solver = {};
+  collision::CollisionOptions collision = {};
   /// Steps from one look at the load to the next, >= 1.
   int balance_every = 8;
   /// The load is shared out anew where the busiest rank has more than this many times the mean, or
@@ -53,13 +53,13 @@ struct TANDEM_API ClusterOptions {
   double cut_above = 0.25;
   /// Steps for which neighbours of other ranks' bodies are looked for ahead, >= 1.
   int refresh_every = 4;
-  NetworkModel network;
+  NetworkModel network = {};
   /// Each rank writes what it is told into `record`.RANK; empty: none does.
-  std::string record;
+  std::string record = {};
   /// One of these files: this process is that rank once more, without MPI and by itself. It takes
   /// the same steps to the same bits, under a debugger or on a processor of its own. The program
   /// must call what it called then.
-  std::string replay;
+  std::string replay = {};
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;

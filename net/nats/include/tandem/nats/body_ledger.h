@@ -18,11 +18,11 @@
 namespace tandem::nats {
 
 struct TANDEM_API LedgerOptions {
-  std::shared_ptr<NatsHub> hub;   ///< of a server with JetStream
-  std::string prefix = "tandem";  ///< as NatsOptions::prefix
-  std::uint64_t scene_hash = 0;   ///< of the session
-  net::Key session_key{};         ///< the same for all members, not zero
-  CellOptions cells;              ///< as NatsOptions::cells
+  std::shared_ptr<NatsHub> hub = {};  ///< of a server with JetStream
+  std::string prefix = "tandem";      ///< as NatsOptions::prefix
+  std::uint64_t scene_hash = 0;       ///< of the session
+  net::Key session_key{};             ///< the same for all members, not zero
+  CellOptions cells = {};             ///< as NatsOptions::cells
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;

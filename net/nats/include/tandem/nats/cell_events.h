@@ -21,12 +21,12 @@
 namespace tandem::nats {
 
 struct TANDEM_API CellEventOptions {
-  std::shared_ptr<NatsHub> hub;   ///< of a server with JetStream
-  std::string prefix = "tandem";  ///< as NatsOptions::prefix
-  std::uint64_t scene_hash = 0;   ///< of the session
-  net::Key session_key{};         ///< the same for all members, not zero
-  CellOptions cells;              ///< as NatsOptions::cells
-  consensus::PeerId self = 0;     ///< not 0
+  std::shared_ptr<NatsHub> hub = {};  ///< of a server with JetStream
+  std::string prefix = "tandem";      ///< as NatsOptions::prefix
+  std::uint64_t scene_hash = 0;       ///< of the session
+  net::Key session_key{};             ///< the same for all members, not zero
+  CellOptions cells = {};             ///< as NatsOptions::cells
+  consensus::PeerId self = 0;         ///< not 0
   /// How long what was said is kept for who comes later, or was cut off; in [1 s, 1 day], the same
   /// for all members of a session.
   std::chrono::seconds kept{120};

@@ -21,7 +21,7 @@ struct TANDEM_API DirectOptions {
   std::uint16_t port = 0;           ///< 0: any that is free
   /// Where others reach it, numeric, at most four; empty: at the addresses of this machine. The
   /// NatsOptions::direct_peers nearest are told, sealed, and nobody else.
-  std::vector<net::HostPort> reachable_at;
+  std::vector<net::HostPort> reachable_at = {};
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
@@ -29,13 +29,13 @@ struct TANDEM_API DirectOptions {
 
 /// Where the server is, and how this process shows itself there.
 struct TANDEM_API HubOptions {
-  std::vector<net::HostPort> servers;  ///< of one cluster, at least one; tried in turn
-  std::string user;                    ///< empty: no name and no password
-  std::string password;
+  std::vector<net::HostPort> servers = {};  ///< of one cluster, at least one; tried in turn
+  std::string user = {};                    ///< empty: no name and no password
+  std::string password = {};
   bool tls = false;  ///< the server shows a certificate that this system trusts
   std::chrono::milliseconds reconnect_wait{100};  ///< between two attempts, in [10 ms, 1 min]
   /// None: all goes over the server.
-  std::optional<DirectOptions> direct;
+  std::optional<DirectOptions> direct = {};
   /// A thread of the hub's drives the transports; false: each is driven by NatsTransport::poll().
   bool driven = true;
 

@@ -34,24 +34,24 @@ struct TANDEM_API NatsOptions {
 
   /// Connection to the server, which many peers of a process may share; null: one for this peer
   /// alone, as `server` says.
-  std::shared_ptr<NatsHub> hub;
-  HubOptions server;
+  std::shared_ptr<NatsHub> hub = {};
+  HubOptions server = {};
   std::string prefix = "tandem";  ///< first word of all subjects: letters, digits, - and _
   /// Who this peer is, whom it lets in, and how each connection goes: handshake, keys, rights,
   /// rates and queues are those of UDP. What is about sockets and finding each other is not used:
   /// port, address, connect, max_peers, kernel_filter and relay.
-  net::UdpOptions member;
-  CellOptions cells;
+  net::UdpOptions member = {};
+  CellOptions cells = {};
   /// So many of the nearest are spoken to by UDP where both ends have HubOptions::direct and that
   /// works, in [0, 256].
   std::size_t direct_peers = 16;
   /// Ed25519 secret with which this peer signs what it says of a cell.
-  std::optional<net::Key> speaker;
+  std::optional<net::Key> speaker = {};
   /// Whose summaries count; empty: those of all who have the session key, signed or not.
-  std::vector<TrustedSpeaker> speakers;
+  std::vector<TrustedSpeaker> speakers = {};
   /// ns, never less than before, from any thread: what goes in place of the steady clock, for
   /// programs whose time is not the wall's. Session time then begins as this one.
-  std::function<std::int64_t()> steady;
+  std::function<std::int64_t()> steady = {};
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
