@@ -44,7 +44,7 @@ std::uint64_t read(std::span<const std::byte> bytes) {
 void RemovedIds::add(const SharedId& id) {
   if (!known_.insert(id).second) return;
   order_.push_back(id);
-  if (order_.size() <= kMost) return;
+  if (order_.size() <= kMaxIds) return;
   known_.erase(order_.front());
   order_.pop_front();
 }

@@ -21,7 +21,7 @@ namespace tandem {
 /// oldest are forgotten: others can fill no memory.
 class RemovedIds {
  public:
-  static constexpr std::size_t kMost = 4096;
+  static constexpr std::size_t kMaxIds = 4096;
 
   void add(const SharedId& id);
   bool contains(const SharedId& id) const { return known_.contains(id); }
