@@ -292,7 +292,7 @@ void Peer::set_replay_hook(ReplayHook* hook) {
   if (impl_->replay != nullptr) impl_->replay->set_hook(hook);
 }
 
-bool Peer::holds(GrabId id) const { return impl_->data.springs.has(id); }
+bool Peer::holds(GrabId id) const { return impl_->data.springs.holds(id); }
 
 void Peer::release(GrabId id) { impl_->data.springs.release(id, impl_->data.now); }
 void Peer::springs(std::vector<pbd::Tether::Def>& out) const { impl_->data.springs.pulls(out); }

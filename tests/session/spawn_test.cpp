@@ -251,7 +251,7 @@ TEST_CASE("spawn: members that are cut off, leave and start again end with the s
 }
 
 TEST_CASE("spawn: what cannot be is said, and nothing of it is left", "[session][fault]") {
-  Fixture f(2);
+  Fixture f(3);
   Member one(f.transport(1), {.max_of_one = 3});
   Session& session = one.session;
   const auto bodies = [&] { return one.world.body_count(); };
@@ -266,6 +266,10 @@ TEST_CASE("spawn: what cannot be is said, and nothing of it is left", "[session]
   for (int i = 0; i < 3; ++i) session.spawn("ball", {});
   CHECK(names(refusal([&] { session.spawn("ball", {}); }), "number of bodies", "max_of_one", ""));
   CHECK(bodies() == 3);
+  Member few(f.transport(3), {.max_bodies = 1});
+  few.session.spawn("ball", {});
+  CHECK(
+      names(refusal([&] { few.session.spawn("ball", {}); }), "number of bodies", "max_bodies", ""));
 
   pbd::World world;
   pbd::Solver solver;

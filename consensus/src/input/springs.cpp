@@ -29,6 +29,24 @@ std::uint32_t first_id(SessionTime now) {
   return std::max(1U, static_cast<std::uint32_t>(now / 1'000'000));
 }
 
+/// Of springs by number; null where there is none.
+template <class Own>
+auto find_own(Own& springs, GrabId id) -> decltype(springs.data()) {
+  const auto it =
+      ranges::lower_bound(springs, id.spring, [](const auto& own) { return own.spring; });
+  return it != springs.end() && it->spring == id.spring ? &*it : nullptr;
+}
+
+template <class Own>
+auto& own_spring(Own& springs, GrabId id) {
+  auto* const own = find_own(springs, id);
+  if (own == nullptr) {
+    pbd::detail::refuse("Peer: grab", "one of this peer's springs, not released yet",
+                        std::to_string(id.spring));
+  }
+  return *own;
+}
+
 }  // namespace
 
 Springs::Springs(pbd::World& world, const PeerOptions& options)
@@ -80,22 +98,13 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
   return {next_++};
 }
 
-bool Springs::has(GrabId id) const {
-  const auto it = ranges::lower_bound(own_, id.spring, &Own::spring);
-  return it != own_.end() && it->spring == id.spring;
-}
-
-Springs::Own& Springs::find(GrabId id) {
-  const auto it = ranges::lower_bound(own_, id.spring, &Own::spring);
-  if (it == own_.end() || it->spring != id.spring) {
-    pbd::detail::refuse("Peer: grab", "one of this peer's springs, not released yet",
-                        std::to_string(id.spring));
-  }
-  return *it;
+bool Springs::holds(GrabId id) const {
+  const Own* const own = find_own(own_, id);
+  return own != nullptr && holds(*own);
 }
 
 void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
-  Own& own = find(id);
+  Own& own = own_spring(own_, id);
   pbd::detail::require_finite(anchor_w, "Peer::move", "anchor_w");
   if (own.moved != 0 && now > own.moved) {
     const double dt = seconds(now - own.moved);
@@ -108,7 +117,7 @@ void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
 }
 
 void Springs::release(GrabId id, SessionTime now) {
-  Own& own = find(id);
+  Own& own = own_spring(own_, id);
   ++own.revision;
   if (own.announced) pending_.push_back(own.message(SpringEvent::Remove, now));
   if (tethers_.contains(own.tether)) tethers_.remove(own.tether);

@@ -38,7 +38,6 @@ class Springs {
   GrabId grab(const GrabDef& def, pbd::BodyId body);
   void move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now);
   void release(GrabId id, SessionTime now);
-  bool has(GrabId id) const;
 
   enum class Verdict : std::uint8_t {
     Taken,
@@ -77,6 +76,8 @@ class Springs {
   /// All rows of block(); appended.
   void rows(std::vector<pbd::ConstraintId>& out) const;
   bool holds(pbd::BodyId body) const;
+  /// Whether that own spring is there, and its body.
+  bool holds(GrabId id) const;
   /// How users hold a body, as bits.
   enum Grip : std::uint8_t {
     kShared = 1,  ///< by an own spring that all peers simulate
@@ -131,7 +132,6 @@ class Springs {
     bool live = false;  ///< false: removed, kept a while so that late messages do not revive it
   };
 
-  Own& find(GrabId id);
   std::vector<Remote>::iterator place_of(PeerId peer, std::uint32_t spring);
   /// All that is known of that peer's; valid until one comes or goes.
   std::span<Remote> of(PeerId peer);

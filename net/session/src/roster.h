@@ -17,7 +17,7 @@ class Roster {
     joined_.clear();
     left_.clear();
     for (const consensus::PeerStatus& peer : seen_) {
-      if (peer.connected && std::ranges::find(here_, peer.id) == here_.end()) {
+      if (peer.connected && std::find(here_.begin(), here_.end(), peer.id) == here_.end()) {
         joined_.push_back(peer.id);
       }
     }
@@ -32,8 +32,9 @@ class Roster {
 
  private:
   bool connected(consensus::PeerId id) const {
-    return std::ranges::any_of(
-        seen_, [id](const consensus::PeerStatus& peer) { return peer.id == id && peer.connected; });
+    return std::any_of(seen_.begin(), seen_.end(), [id](const consensus::PeerStatus& peer) {
+      return peer.id == id && peer.connected;
+    });
   }
 
   std::vector<consensus::PeerId> here_;
