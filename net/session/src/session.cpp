@@ -75,14 +75,18 @@ class __attribute__((visibility("hidden"))) Session::Impl {
   void hear(SessionTime now) {
     if (!spawns && !joined && !left) return;
     roster.look(events);
-    for (const PeerId id : roster.left()) {
-      if (spawns) spawns->leave(id);
-      if (left) left(id);
+    if (spawns) {
+      for (const PeerId id : roster.left()) spawns->leave(id);
+      for (const PeerId id : roster.joined()) spawns->join(id);
     }
-    for (const PeerId id : roster.joined()) {
-      if (spawns) spawns->join(id);
-      if (joined) joined(id);
-    }
+    // Copies: a function may set another one.
+    const auto call = [](std::function<void(PeerId)> of, const std::vector<PeerId>& ids) {
+      for (const PeerId id : ids) {
+        if (of) of(id);
+      }
+    };
+    call(left, roster.left());
+    call(joined, roster.joined());
     if (spawns) spawns->receive(now);
   }
   Spawns& spawning() {
@@ -107,7 +111,8 @@ class __attribute__((visibility("hidden"))) Session::Impl {
   SessionTime time = 0;     ///< ns, of the step to come; while there are physics
   double world_time = 0.0;  ///< s, after the last step
   std::size_t shared = 0;
-  bool running = false;  ///< in run()
+  bool running = false;   ///< in run()
+  bool stepping = false;  ///< in advance()
   std::atomic<bool> stopped = false;
 };
 
@@ -174,13 +179,20 @@ bool Session::move(GrabId grab, const pbd::Vec3& anchor_w) {
   return holds;
 }
 void Session::release(GrabId grab) {
-  if (impl_->peer.holds(grab)) impl_->peer.release(grab);
+  try {
+    impl_->peer.release(grab);
+  } catch (const std::invalid_argument&) {  // let go already
+  }
 }
 
 SessionTime Session::now() { return impl_->clock(); }
 
 Progress Session::advance(SessionTime now, const BeforeStep& before_step) {
   Impl& own = *impl_;
+  if (own.stepping) {
+    pbd::detail::refuse("Session::advance", "called by none of the functions that it calls");
+  }
+  const Running stepping(own.stepping);
   Progress done;
   if (now < own.pace.nominal_step) {
     done.status = pbd::StepStatus::InvalidStep;

@@ -3,6 +3,8 @@
 #include "spawns.h"
 
 #include <algorithm>
+#include <exception>
+#include <iterator>
 #include <stdexcept>
 
 #include "tandem/pbd/validate.h"
@@ -17,9 +19,6 @@ constexpr std::string_view kTold = "tandem.told";
 
 /// ns: a member may ask as often as it likes, and is not told more often.
 constexpr SessionTime kAnswerEvery = 1'000'000'000;
-/// Bytes that a newcomer is told in a step: at 60 steps a second no more than
-/// EventOptions::bytes_per_s lets it take.
-constexpr std::size_t kToldInStep = 2048;
 constexpr std::size_t kIdBytes = 16;
 constexpr std::size_t kIdsPerEvent = 32;
 /// All ids that spawn() makes begin their lower half so: nobody can take the id of a name before
@@ -53,11 +52,11 @@ Spawns::Spawns(const SpawnOptions& options, pbd::World& world, consensus::Peer& 
                consensus::EventChannel& events)
     : options_(options), world_(world), peer_(peer), events_(events) {}
 
-bool Spawns::has_room(const SharedId& id) const {
-  if (here_.size() >= options_.max_bodies) return false;
+bool Spawns::has_room(const SharedId& id, std::size_t times) const {
+  if (here_.size() / times >= options_.max_bodies) return false;
   const auto first = here_.lower_bound({.high = id.high, .low = 0});
   const auto last = here_.upper_bound({.high = id.high, .low = UINT64_MAX});
-  return static_cast<std::size_t>(std::distance(first, last)) < options_.max_of_one;
+  return static_cast<std::size_t>(std::distance(first, last)) / times < options_.max_of_one;
 }
 
 SharedId Spawns::spawn(std::string_view what, const pbd::Pose& pose, const pbd::Twist& twist,
@@ -74,10 +73,11 @@ SharedId Spawns::spawn(std::string_view what, const pbd::Pose& pose, const pbd::
     pbd::detail::refuse("Session::spawn: bytes of `what`", "at most SpawnOptions::kMaxBytes",
                         static_cast<double>(what.size()));
   }
-  if (!has_room(id)) {
+  if (!has_room(id, 1)) {
     pbd::detail::refuse("Session::spawn: number of bodies",
                         "below SpawnOptions' max_bodies in all and max_of_one of a member");
   }
+  last_ = number;
   add(state, what);
   try {
     tell(id, here_.at(id), consensus::EventChannel::kToAll);
@@ -85,7 +85,6 @@ SharedId Spawns::spawn(std::string_view what, const pbd::Pose& pose, const pbd::
     forget(id);
     throw;
   }
-  last_ = number;
   return id;
 }
 
@@ -104,26 +103,35 @@ void Spawns::join(PeerId member) {
 }
 
 void Spawns::receive(SessionTime now) {
+  std::exception_ptr failed;  // of the application: what else has come is taken in all the same
   for (const consensus::Event& event : events_.received()) {
-    const auto member = members_.find(event.from);
-    if (event.topic == kAsk) {
-      if (member != members_.end()) member->second.asks = true;
-    } else if (event.topic == kTold) {
-      if (member != members_.end()) member->second.told = true;
-    } else if (event.topic == kSpawn) {
-      refused_ += hear_spawn(event) ? 0 : 1;
-    } else if (event.topic == kDespawn) {
-      refused_ += hear_despawn(event) ? 0 : 1;
+    try {
+      hear(event);
+    } catch (...) {
+      if (!failed) failed = std::current_exception();
     }
   }
   for (auto& [id, member] : members_) {
-    if (member.asks && (member.answered == 0 || now - member.answered >= kAnswerEvery)) {
-      member.asks = false;
-      member.answered = now;
-      member.next = SharedId{};
-      tell_all_removed(id);
-    }
-    if (member.next) tell_on(id, member);
+    const bool lately =
+        member.answered != 0 && now >= member.answered && now - member.answered < kAnswerEvery;
+    if (!member.asks || lately) continue;
+    member.asks = false;
+    member.answered = now;
+    tell_all(id);
+  }
+  if (failed) std::rethrow_exception(failed);
+}
+
+void Spawns::hear(const consensus::Event& event) {
+  const auto member = members_.find(event.from);
+  if (event.topic == kAsk) {
+    if (member != members_.end()) member->second.asks = true;
+  } else if (event.topic == kTold) {
+    if (member != members_.end()) member->second.told = true;
+  } else if (event.topic == kSpawn) {
+    refused_ += hear_spawn(event) ? 0 : 1;
+  } else if (event.topic == kDespawn) {
+    refused_ += hear_despawn(event) ? 0 : 1;
   }
 }
 
@@ -137,12 +145,16 @@ bool Spawns::hear_spawn(const consensus::Event& event) {
   if (packet_.states.size() != 1) return false;
   const consensus::StateUpdate& state = packet_.states.front();
   if (!is_spawned(state.id)) return false;
-  // All members tell a newcomer.
-  if (here_.contains(state.id) || removed_.contains(state.id)) return true;
+  if (here_.contains(state.id)) return true;  // all members tell a newcomer
+  if (removed_.contains(state.id) || unknown_.contains(state.id)) {
+    if (state.id.high == event.from) tell_removed({&state.id, 1}, event.from);
+    return true;
+  }
   const auto member = members_.find(event.from);
   const bool tells_all = member != members_.end() && !member->second.told;
   if (state.id.high != event.from && !tells_all) return false;
-  if (!has_room(state.id)) return false;
+  // Members keep the limits for what they spawn at the same time, each by what it knows.
+  if (!has_room(state.id, 2)) return false;
   const std::span<const std::byte> what = payload.subspan(kState);
   try {
     add(state, {reinterpret_cast<const char*>(what.data()), what.size()});
@@ -163,38 +175,25 @@ bool Spawns::hear_despawn(const consensus::Event& event) {
   return true;
 }
 
-void Spawns::tell_all_removed(PeerId member) {
+void Spawns::tell_all(PeerId member) {
   const std::vector<SharedId> removed(removed_.in_order().begin(), removed_.in_order().end());
   for (std::size_t i = 0; i < removed.size(); i += kIdsPerEvent) {
     const std::size_t count = std::min(kIdsPerEvent, removed.size() - i);
     tell_removed(std::span(removed).subspan(i, count), member);
   }
+  for (const auto& [id, here] : here_) tell(id, here, member);
+  events_.send(kTold, {}, member);
 }
 
-/// A portion; what is spawned meanwhile goes to everybody anyway.
-void Spawns::tell_on(PeerId id, Member& member) {
-  auto here = here_.lower_bound(*member.next);
-  for (std::size_t bytes = 0; here != here_.end() && bytes < kToldInStep; ++here) {
-    bytes += tell(here->first, here->second, id);
-  }
-  member.next.reset();
-  if (here != here_.end()) {
-    member.next = here->first;
-  } else {
-    events_.send(kTold, {}, id);
-  }
-}
-
-std::size_t Spawns::tell(const SharedId& id, const Here& here, PeerId to) {
-  if (!world_.contains(here.body)) return 0;  // the application has removed it by itself
+void Spawns::tell(const SharedId& id, const Here& here, PeerId to) {
+  if (!world_.contains(here.body)) return;  // the application has removed it by itself
   const consensus::StateUpdate state{
       .id = id, .pose = world_.pose(here.body), .twist = world_.twist(here.body)};
   bytes_.clear();
-  if (consensus::encode({&state, 1}, bytes_) == 0) return 0;  // further away than can be said
+  if (consensus::encode({&state, 1}, bytes_) == 0) return;  // further away than can be said
   const auto what = std::as_bytes(std::span(here.what));
   bytes_.insert(bytes_.end(), what.begin(), what.end());
   events_.send(kSpawn, bytes_, to);
-  return bytes_.size();
 }
 
 void Spawns::tell_removed(std::span<const SharedId> ids, PeerId to) {
@@ -221,9 +220,12 @@ void Spawns::add(const consensus::StateUpdate& state, std::string_view what) {
 }
 
 void Spawns::forget(const SharedId& id) {
-  removed_.add(id);
   const auto here = here_.extract(id);
-  if (!here) return;
+  if (!here) {
+    if (!removed_.contains(id)) unknown_.add(id);
+    return;
+  }
+  removed_.add(id);
   if (peer_.body_of(id) != pbd::BodyId{}) peer_.unshare(id);
   if (world_.contains(here.mapped().body)) options_.remove(here.mapped().body);
 }

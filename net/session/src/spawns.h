@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -63,20 +62,19 @@ class Spawns {
     std::string what;
   };
   struct Member {
-    bool told = false;                  ///< has told all that there is at its side
-    bool asks = false;                  ///< has not been told since it asked
-    SessionTime answered = 0;           ///< ns, when it was told last; 0: never
-    std::optional<SharedId> next = {};  ///< while it is told: the least id that it has not heard
+    bool told = false;         ///< has told all that there is at its side
+    bool asks = false;         ///< has not been told since it asked
+    SessionTime answered = 0;  ///< ns, when it was told last; 0: never
   };
 
   void add(const consensus::StateUpdate& state, std::string_view what);
   void forget(const SharedId& id);
-  bool has_room(const SharedId& id) const;
-  /// @return bytes
-  std::size_t tell(const SharedId& id, const Here& here, PeerId to);
+  /// @param times  how often the limits of the options
+  bool has_room(const SharedId& id, std::size_t times) const;
+  void tell(const SharedId& id, const Here& here, PeerId to);
   void tell_removed(std::span<const SharedId> ids, PeerId to);
-  void tell_all_removed(PeerId member);
-  void tell_on(PeerId id, Member& member);
+  void tell_all(PeerId member);
+  void hear(const consensus::Event& event);
   bool hear_spawn(const consensus::Event& event);
   bool hear_despawn(const consensus::Event& event);
 
@@ -85,7 +83,8 @@ class Spawns {
   consensus::Peer& peer_;
   consensus::EventChannel& events_;
   std::map<SharedId, Here> here_;
-  RemovedIds removed_;
+  RemovedIds removed_;  ///< what was here
+  RemovedIds unknown_;  ///< removed before it came: others can fill this one alone
   std::map<PeerId, Member> members_;
   std::uint64_t last_ = 0;  ///< the number of the last id made here
   std::uint64_t refused_ = 0;

@@ -47,16 +47,17 @@ struct TANDEM_API Simulation {
 /// Bodies that members make for everybody while a session runs, see Session::spawn(). All members
 /// have the same, or none.
 struct TANDEM_API SpawnOptions {
-  static constexpr std::size_t kMaxBytes = 2048;  ///< of `what`
+  static constexpr std::size_t kMaxBytes = 512;  ///< of `what`
 
   /// Makes the body that `what` describes, which has come from another member (untrusted) or from
-  /// spawn(). Where it stands and how it moves is the session's to set. An id of no body or
-  /// std::invalid_argument: there is no such thing.
+  /// spawn(). The session sets where it stands and how it moves. Where there is no such thing it
+  /// returns BodyId{} or throws std::invalid_argument.
   std::function<pbd::BodyId(std::string_view what)> make = {};
   /// Takes a body out of the scene. It is shared no longer.
   std::function<void(pbd::BodyId)> remove = {};
-  std::size_t max_bodies = 1024;  ///< at a time
-  std::size_t max_of_one = 256;   ///< at a time, made by one member
+  // At a time, by what this member spawns; twice that by what others do meanwhile.
+  std::size_t max_bodies = 1024;
+  std::size_t max_of_one = 256;  ///< made by one member
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
@@ -125,8 +126,8 @@ class TANDEM_API Session {
   /// @throws std::invalid_argument naming the name, and what is wrong: name or body is shared
   ///   already, or the body is none that can move
   SharedId share(std::string_view name, pbd::BodyId body, std::optional<PeerId> owner = {});
-  /// Of several bodies that are one thing, as Ragdoll::bodies(): "name/0", "name/1" and so on. All
-  /// are shared, or where one cannot be none is. @throws likewise
+  /// Share all bodies of one thing, as Ragdoll::bodies(), as "name/0", "name/1" and so on, or none
+  /// of them. @throws likewise
   void share(std::string_view name, std::span<const pbd::BodyId> bodies,
              std::optional<PeerId> owner = {});
   /// @throws as consensus::Peer::unshare
@@ -141,26 +142,28 @@ class TANDEM_API Session {
   /// Remove a body at every member that any of them has spawned.
   /// @throws std::invalid_argument where it is none, or there no longer
   void despawn(const SharedId& id);
-  /// What others have asked to spawn or despawn, and was not done.
+  /// Requests of other members to spawn or despawn that this one refused.
   std::uint64_t spawns_refused() const;
 
-  /// Called before a step (and before its BeforeStep) of each member that has connected or is no
-  /// longer connected since the last one. Empty: nothing is called.
+  /// Before each step, and its BeforeStep, `joined` is called once for each member that has
+  /// connected since the last one, `left` for each that is connected no longer. A member that
+  /// starts again at once may go unnoticed.
   void on_join(std::function<void(PeerId)> joined);
   void on_leave(std::function<void(PeerId)> left);
 
   /// Hold a shared body with a spring. @throws as consensus::Peer::grab
   GrabId grab(const GrabDef& def);
   /// Where the hand is as the next step begins, m, world.
-  /// @return whether it still holds: not where it was released, or somebody has removed the body
+  /// @return whether the spring still holds: not after release(), nor once the body is removed
   bool move(GrabId grab, const pbd::Vec3& anchor_w);
-  /// Let go; nothing where it holds no longer.
+  /// Let go, if it still holds.
   void release(GrabId grab);
 
   /// Session time, ns.
   SessionTime now();
   /// Make the steps that are due at `now`, and only those: it waits for nothing. The first call
-  /// begins. Throws nothing but what functions and transports of yours do.
+  /// begins. Throws what functions and transports of yours do, and std::invalid_argument where one
+  /// of them calls it.
   Progress advance(SessionTime now, const BeforeStep& before_step = {});
   /// Go on at the clock's pace until stop(), SIGINT or SIGTERM (net::StopSignal, one at a time).
   /// @throws std::invalid_argument where nothing is shared and nothing is called that could share
