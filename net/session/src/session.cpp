@@ -80,13 +80,13 @@ class __attribute__((visibility("hidden"))) Session::Impl {
       for (const PeerId id : roster.joined()) spawns->join(id);
     }
     // Copies: a function may set another one.
-    const auto call = [](std::function<void(PeerId)> of, const std::vector<PeerId>& ids) {
+    const auto call = [](const std::function<void(PeerId)>& of, const std::vector<PeerId>& ids) {
       for (const PeerId id : ids) {
         if (of) of(id);
       }
     };
-    call(left, roster.left());
-    call(joined, roster.joined());
+    call(std::function(left), roster.left());
+    call(std::function(joined), roster.joined());
     if (spawns) spawns->receive(now);
   }
   Spawns& spawning() {
