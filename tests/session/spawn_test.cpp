@@ -178,7 +178,7 @@ TEST_CASE("spawn: halves that come together have what either has, less what eith
 }
 
 TEST_CASE("spawn: members that are cut off, leave and start again end with the same bodies",
-          "[session][property]") {
+          "[session][property][long]") {
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
     constexpr int kMembers = 3;
     std::mt19937 random(seed);
