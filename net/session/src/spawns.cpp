@@ -7,6 +7,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "tandem/pbd/bytes.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem {
@@ -19,7 +20,6 @@ constexpr std::string_view kTold = "tandem.told";
 
 /// ns: a member may ask as often as it likes, and is not told more often.
 constexpr SessionTime kAnswerEvery = 1'000'000'000;
-constexpr std::size_t kIdBytes = 16;
 constexpr std::size_t kIdsPerEvent = 32;
 /// All ids that spawn() makes begin their lower half so: nobody can take the id of a name before
 /// the application shares it.
@@ -27,16 +27,6 @@ constexpr std::uint64_t kMark = 0xb0d;
 constexpr int kNumberBits = 52;
 
 bool is_spawned(const SharedId& id) { return id.low >> kNumberBits == kMark; }
-
-void put(std::uint64_t value, std::vector<std::byte>& out) {
-  for (int shift = 0; shift < 64; shift += 8) out.push_back(static_cast<std::byte>(value >> shift));
-}
-
-std::uint64_t read(std::span<const std::byte> bytes) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 8; i-- > 0;) value = value << 8 | std::to_integer<std::uint64_t>(bytes[i]);
-  return value;
-}
 
 }  // namespace
 
@@ -61,7 +51,7 @@ bool Spawns::has_room(const SharedId& id, std::size_t times) const {
 
 SharedId Spawns::spawn(std::string_view what, const pbd::Pose& pose, const pbd::Twist& twist,
                        SessionTime now) {
-  // By the time, so that who starts again under the same id repeats none.
+  // From the time, so that a member that starts again under its id repeats none.
   constexpr std::uint64_t kMask = (std::uint64_t{1} << kNumberBits) - 1;
   const std::uint64_t number = std::max(static_cast<std::uint64_t>(now) / 1000 & kMask, last_ + 1);
   const SharedId id{.high = events_.self(), .low = kMark << kNumberBits | number};
@@ -153,7 +143,7 @@ bool Spawns::hear_spawn(const consensus::Event& event) {
   const auto member = members_.find(event.from);
   const bool tells_all = member != members_.end() && !member->second.told;
   if (state.id.high != event.from && !tells_all) return false;
-  // Members keep the limits for what they spawn at the same time, each by what it knows.
+  // Each member keeps the limits by what it knows: some that spawn at the same time exceed them.
   if (!has_room(state.id, 2)) return false;
   const std::span<const std::byte> what = payload.subspan(kState);
   try {
@@ -165,11 +155,12 @@ bool Spawns::hear_spawn(const consensus::Event& event) {
 }
 
 bool Spawns::hear_despawn(const consensus::Event& event) {
-  if (event.role == consensus::Role::Watch || event.payload.size() % kIdBytes != 0) return false;
-  const std::span<const std::byte> payload(event.payload);
-  for (std::size_t i = 0; i < payload.size(); i += kIdBytes) {
-    const SharedId id{.high = read(payload.subspan(i, 8)), .low = read(payload.subspan(i + 8, 8))};
-    if (!is_spawned(id)) return false;
+  if (event.role == consensus::Role::Watch) return false;
+  pbd::ByteReader in(event.payload);
+  while (in.remaining() > 0) {
+    const std::uint64_t high = in.u64();
+    const SharedId id{.high = high, .low = in.u64()};
+    if (in.failed() || !is_spawned(id)) return false;
     forget(id);
   }
   return true;
@@ -198,9 +189,10 @@ void Spawns::tell(const SharedId& id, const Here& here, PeerId to) {
 
 void Spawns::tell_removed(std::span<const SharedId> ids, PeerId to) {
   bytes_.clear();
+  pbd::ByteWriter out(bytes_);
   for (const SharedId& id : ids) {
-    put(id.high, bytes_);
-    put(id.low, bytes_);
+    out.u64(id.high);
+    out.u64(id.low);
   }
   events_.send(kDespawn, bytes_, to);
 }

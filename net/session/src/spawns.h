@@ -16,8 +16,8 @@
 
 namespace tandem {
 
-/// Ids of bodies that have been removed, so that what somebody says late brings none back. The
-/// oldest are forgotten: others can fill no memory.
+/// Ids of bodies that have been removed, so that a late message brings none back. The oldest are
+/// forgotten, so that others cannot fill the memory.
 class RemovedIds {
  public:
   static constexpr std::size_t kMaxIds = 4096;
@@ -69,7 +69,7 @@ class Spawns {
 
   void add(const consensus::StateUpdate& state, std::string_view what);
   void forget(const SharedId& id);
-  /// @param times  how often the limits of the options
+  /// @param times  of the limits in the options that may be used up
   bool has_room(const SharedId& id, std::size_t times) const;
   void tell(const SharedId& id, const Here& here, PeerId to);
   void tell_removed(std::span<const SharedId> ids, PeerId to);
@@ -84,7 +84,7 @@ class Spawns {
   consensus::EventChannel& events_;
   std::map<SharedId, Here> here_;
   RemovedIds removed_;  ///< what was here
-  RemovedIds unknown_;  ///< removed before it came: others can fill this one alone
+  RemovedIds unknown_;  ///< removed before they came; others can fill this one alone
   std::map<PeerId, Member> members_;
   std::uint64_t last_ = 0;  ///< the number of the last id made here
   std::uint64_t refused_ = 0;

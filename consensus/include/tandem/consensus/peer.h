@@ -276,7 +276,7 @@ class TANDEM_API Peer final : public pbd::TargetSource {
   /// Move the hand. `anchor_w` (m) is where it is at `now`, the start of the step to come.
   void move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now);
   void release(GrabId id);
-  /// Whether the spring still pulls: not where it was released, or its body is gone.
+  /// Whether the spring still pulls: false once it is released or its body is gone.
   bool holds(GrabId id) const;
   /// Whether any user's spring, own or remote, holds the body.
   bool held(const SharedId& id) const;

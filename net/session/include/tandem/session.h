@@ -55,7 +55,8 @@ struct TANDEM_API SpawnOptions {
   std::function<pbd::BodyId(std::string_view what)> make = {};
   /// Takes a body out of the scene. It is shared no longer.
   std::function<void(pbd::BodyId)> remove = {};
-  // At a time, by what this member spawns; twice that by what others do meanwhile.
+  // Limits of spawn(), at a time. Others' bodies are taken up to twice as many, since members that
+  // spawn at the same time do not know of each other's.
   std::size_t max_bodies = 1024;
   std::size_t max_of_one = 256;  ///< made by one member
 
@@ -137,10 +138,10 @@ class TANDEM_API Session {
   /// @param what  what SpawnOptions::make is given, at every member
   /// @param pose  of the centre of mass
   /// @throws std::invalid_argument where there is no such thing, no place for one more, or `what`
-  ///   is too long for a packet of the transport; what `make` throws. Nothing is made then
+  ///   is longer than SpawnOptions::kMaxBytes; what `make` throws. Nothing is made then
   SharedId spawn(std::string_view what, const pbd::Pose& pose, const pbd::Twist& twist = {});
   /// Remove a body at every member that any of them has spawned.
-  /// @throws std::invalid_argument where it is none, or there no longer
+  /// @throws std::invalid_argument where no member has spawned it, or one has removed it
   void despawn(const SharedId& id);
   /// Requests of other members to spawn or despawn that this one refused.
   std::uint64_t spawns_refused() const;
