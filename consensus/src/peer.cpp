@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "agree/agreement.h"
+#include "agree/settlement.h"
 #include "couple/ownership.h"
 #include "couple/two_step.h"
 #include "input/activity.h"
@@ -36,10 +37,12 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   Ownership ownership;
   RemoteStates remote;
   Placement placement;
+  Settlement settlement;
   Estimator estimator;
   HardInputs hard;
   Agreement agreement;
   Sender sender;
+  const bool settles;            ///< copies at rest that differ elect one
   SessionTime last_before = 0;  ///< ns, of the last before_step()
 };
 
@@ -133,11 +136,14 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       receiver(data, connections),
       ownership(data, connections, activity),
       remote(data),
-      placement(data, remote, activity),
+      placement(data),
+      settlement(data, activity),
       estimator(data, trust, remote, placement),
       hard(data),
       agreement(data, replay.get(), trust, latecomers, estimator, hard),
-      sender(data, connections, activity) {}
+      sender(data, connections, activity),
+      settles(options.arbitration && (options.coupling == Coupling::OnePass ||
+                                      options.coupling == Coupling::TwoStep)) {}
 
 Peer::Peer(pbd::World& world, Transport& transport, const PeerOptions& options) {
   options.validate();
@@ -159,6 +165,7 @@ void Peer::before_step(SessionTime now) {
   if (impl_->data.options.coupling == Coupling::SingleOwner) {
     impl_->ownership.update(impl_->receiver.ownership());
   }
+  if (impl_->settles) impl_->settlement.settle();
   impl_->agreement.aggregate();
   if (!impl_->data.in_pass()) average_before_step(impl_->data, impl_->agreement);
 }

@@ -29,7 +29,8 @@ void Agreement::aggregate() {
     SharedBody& shared = data_.bodies[i];
     const pbd::Vec3 asked = std::exchange(shared.asked, pbd::Vec3::Zero());
     if (!data_.world.contains(shared.def.body)) continue;
-    const bool unheard = data_.options.coupling == Coupling::None && !shared.def.owner.has_value();
+    const bool unheard = shared.stands || (data_.options.coupling == Coupling::None &&
+                                           !shared.def.owner.has_value());
     if (unheard || shared.def.owner == self) {
       found_.states.clear();
       hard_.drag(shared, found_.states);

@@ -62,10 +62,8 @@ void Estimator::estimate(SharedBody& shared, std::span<const Inbox::Received> ne
   const Listening listening = listening_to(shared, newest, replays, out.by_hand);
   heaviest_ = 0.0;
   for (std::size_t i = 0; i < newest.size(); ++i) hear(shared, newest, i, listening, replays, out);
-  if (listening.own_lead == 0.0 && data_.options.arbitration) {
-    placement_.give_way(shared, newest, out, listening.several);
-  }
   if (!listening.several) return;
+  if (listening.own_lead == 0.0 && data_.options.arbitration) placement_.give_way(shared, out);
   out.votes = out.leaders.empty();
   if (!out.votes) keep_leaders(out);
 }

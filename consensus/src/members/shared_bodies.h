@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "agree/pose_arbiter.h"
 #include "agree/votes.h"
 #include "input/hard_input.h"
 #include "input/initiative.h"
@@ -43,11 +42,11 @@ struct SharedBody {
   ShareDef def;
   bool held = false;
   bool coupled = false;    ///< held, joined to something or touched by it
+  bool stands = false;     ///< it has been elected, or what was is taken over: it hears nobody
   bool joined = false;     ///< taken over from an established peer, as a newcomer does once
   int jumped = 0;          ///< states still to be sent that tell of a jump
   unsigned placed = 0;     ///< times that it was put somewhere
   SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
-  PoseArbiter arbiter = {};
   Initiative initiative = {};
   LeadClaims lead_claims = {};
   std::vector<Heard> heard = {};  ///< by peer; empty where the predictor does not remember
@@ -59,7 +58,6 @@ struct SharedBody {
   pbd::Pose rest_pose = {};             ///< where it has been, about, since rest_since
   SessionTime rest_since = 0;           ///< ns; 0 = it moves
   pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, what agreement wanted of this step
-  bool blocked = false;                 ///< the last step did less than half of it
 };
 
 /// Which bodies are shared, by ascending id, as the inbox has them.

@@ -50,8 +50,9 @@ void Snapshots::resize(std::size_t count) {
 
 bool Snapshots::keep(std::size_t frame, const pbd::World& world, bool rests,
                      const Springs& springs) {
-  // A world that sleeps is what it was.
-  if (rests && rests_) return true;
+  // A world that sleeps is what it was, unless somebody has moved what sleeps.
+  const std::uint64_t moved = std::exchange(sleepers_moved_, world.sleepers_moved());
+  if (rests && rests_ && moved == sleepers_moved_) return true;
   rests_ = rests;
   resting_since_ = frame;
   if (snapshots_.empty()) snapshots_.resize(kSpare);

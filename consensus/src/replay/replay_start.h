@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -44,6 +45,7 @@ class Snapshots {
   std::size_t window_ = 0;           ///< frame
   std::size_t resting_since_ = 0;    ///< frame from which on nothing has moved
   bool rests_ = false;
+  std::uint64_t sleepers_moved_ = 0;  ///< of the world, when it was last kept
 };
 
 /// When a replay is begun anew. All peers begin theirs at the same stamps, so that they go for the

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#include "agree/settlement.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/body_state.h"
+#include "common/ranges.h"
+#include "tandem/pbd/contact.h"
+
+namespace tandem::consensus {
+namespace {
+
+/// m: at this lever a turn counts as a way, so that 1 mm stands beside 1 degree.
+constexpr double kTurnLever = 0.06;
+/// m: what is further apart rests in different places; no island sleeps by itself then.
+constexpr double kApart = 1e-3;
+/// ns: islands are looked at so often.
+constexpr SessionTime kInterval = 100'000'000;
+/// ns: what has stayed in one place for so long rests.
+constexpr SessionTime kPatience = 1'000'000'000;
+/// ns: so long whoever is elected has to fall asleep, before its copy is taken over as it is.
+constexpr SessionTime kSleepPatience = 2'000'000'000;
+/// m: what moves within less stands, and within more it does not, however far copies are apart.
+constexpr double kStill = 3e-3;
+constexpr double kFarthest = 0.15;
+/// A gap that grows by more than this part of it was made by something else than agreement.
+constexpr double kGrows = 0.3;
+/// Of what agreement lifts and drops, the widest gap counts for so many seconds.
+constexpr double kFades = 4.0;
+/// Who is so many times as far from all the others as the most central copy is not elected.
+constexpr double kOutvoted = 1.4;
+/// And who has been elected stays so up to there, for a while: not for good, since others may have
+/// elected somebody else, and what rests long enough looks the same to all.
+constexpr double kDeposed = 1.7;
+constexpr SessionTime kTerm = 3'000'000'000;  // ns
+
+double distance(const pbd::Pose& a, const pbd::Pose& b) {
+  return (a.position - b.position).norm() + kTurnLever * small_angle(a.orientation, b.orientation);
+}
+
+pbd::Pose between(const pbd::Pose& a, const pbd::Pose& b, double part) {
+  return {a.position + part * (b.position - a.position),
+          pbd::rotated(a.orientation, part * pbd::rotation_between(a.orientation, b.orientation))};
+}
+
+/// What sleeps has no velocity at all.
+bool sleeps(const StateUpdate& update) {
+  return update.flags.resting ||
+         (update.twist.linear.isZero(0.0) && update.twist.angular.isZero(0.0));
+}
+
+/// m: below 0 two bodies overlap.
+double least_gap(const pbd::World& world, const pbd::Manifold& manifold) {
+  const pbd::Pose& a = world.states()[manifold.body_a].pose;
+  const pbd::Pose& b = world.states()[manifold.body_b].pose;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < manifold.count; ++i) {
+    const pbd::ManifoldPoint& point = manifold.points[static_cast<std::size_t>(i)];
+    const pbd::Vec3 way = b.position + b.orientation * point.anchor_b_l -
+                          (a.position + a.orientation * point.anchor_a_l);
+    least = std::min(least, manifold.normal.dot(way) - manifold.radius_a - manifold.radius_b);
+  }
+  return least;
+}
+
+}  // namespace
+
+void Settlement::settle() {
+  if (data_.now >= looked_ && data_.now - looked_ < kInterval) return;
+  looked_ = data_.now;
+  look();
+  const bool settling = ranges::any_of(bodies_, [](const Body& body) { return body.settling; });
+  if (!settling && !ranges::any_of(bodies_, [](const Body& body) { return body.gap > kApart; })) {
+    return;
+  }
+  find_islands();
+  if (settling) wake_misplaced();
+  for (auto first = islands_.begin(); first != islands_.end();) {
+    const std::uint32_t root = first->first;
+    members_.clear();
+    for (; first != islands_.end() && first->first == root; ++first) {
+      members_.push_back(first->second);
+    }
+    settle_island();
+  }
+}
+
+void Settlement::look() {
+  bodies_.resize(data_.bodies.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) look_at(i);
+}
+
+void Settlement::look_at(std::size_t index) {
+  SharedBody& shared = data_.bodies[index];
+  const pbd::BodyId id = shared.def.body;
+  Body& body = bodies_[index];
+  if (body.id != id) body = Body{.id = id};
+  shared.stands = false;
+  body.free = false;
+  body.gap = 0.0;
+  if (!data_.world.contains(id) || shared.def.owner.has_value()) return;
+  body.free = data_.confidence() >= 1.0 && !shared.held && shared.initiative.strength() == 0.0 &&
+              data_.world.props(id).type == pbd::BodyType::Dynamic;
+  const auto newest = data_.inbox.newest_at(index);
+  if (body.copies.empty()) body.copies.push_back({.peer = data_.self()});
+  const auto note = [&](Copy& copy, const pbd::Pose& pose) {
+    constexpr double kPart = static_cast<double>(kInterval) / static_cast<double>(kPatience);
+    const double still = std::clamp(body.reach, kStill, kFarthest);
+    const bool rests = copy.since != 0 && distance(pose, copy.about) <= still;
+    if (!rests) copy.since = data_.now;
+    copy.about = rests ? between(copy.about, pose, kPart) : pose;
+  };
+  std::erase_if(body.copies, [&](const Copy& copy) {
+    if (copy.peer == data_.self()) return false;
+    const auto received = ranges::find(newest, copy.peer, &Inbox::Received::peer);
+    return received == newest.end() || !(received->update.influence > 0.0F);
+  });
+  note(body.copies.front(), data_.world.pose(id));
+  for (const Inbox::Received& received : newest) {
+    const UpdateFlags& flags = received.update.flags;
+    body.free = body.free && !flags.held && !flags.leads && !flags.owner_driven;
+    if (!(received.update.influence > 0.0F)) continue;
+    auto copy = ranges::find(body.copies, received.peer, &Copy::peer);
+    if (copy == body.copies.end()) {
+      copy = body.copies.insert(copy, Copy{.peer = received.peer});
+    }
+    const pbd::Pose there = pose_of(index, received);
+    note(*copy, there);
+    body.gap = std::max(body.gap, distance(there, own_at(index, received)));
+  }
+  constexpr double kLeft = 1.0 - 1e-9 * static_cast<double>(kInterval) / kFades;
+  const double widest = std::max(body.gap, kLeft * body.widest);
+  // More than agreement makes of it: something happens.
+  if (body.gap > (1.0 + kGrows) * std::max(body.widest, body.reach) + kApart) {
+    for (Copy& copy : body.copies) copy.since = 0;
+  }
+  body.widest = widest;
+  if (body.gap > kApart) {
+    body.together = 0;
+    return;
+  }
+  if (body.together == 0) body.together = data_.now;
+  if (data_.now - body.together >= kPatience) body.taken = Body::Taken::No;
+}
+
+std::uint32_t Settlement::root_of(std::uint32_t slot) {
+  while (parents_[slot] != slot) slot = parents_[slot] = parents_[parents_[slot]];
+  return slot;
+}
+
+void Settlement::find_islands() {
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  const auto slots = static_cast<std::uint32_t>(data_.world.slot_count());
+  parents_.resize(slots);
+  for (std::uint32_t slot = 0; slot < slots; ++slot) parents_[slot] = slot;
+  in_slot_.assign(slots, kNone);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (data_.world.contains(bodies_[i].id)) in_slot_[bodies_[i].id.index] = i;
+    if (data_.bodies[i].coupled) bodies_[i].touched = data_.now;
+  }
+  for (const auto& [a, b] : activity_.joined()) join(a, b);
+  if (data_.world.contacts() != nullptr) {
+    for (const pbd::Contact& contact : data_.world.contacts()->contacts()) {
+      const pbd::Manifold& manifold = contact.manifold;
+      join(manifold.body_a, manifold.body_b);
+      for (const auto& [slot, other] : {std::pair(manifold.body_a, manifold.body_b),
+                                        std::pair(manifold.body_b, manifold.body_a)}) {
+        if (in_slot_[slot] == kNone) continue;
+        Body& body = bodies_[in_slot_[slot]];
+        body.touched = data_.now;
+        body.misplaced = body.misplaced || (body.settling && !moves(other) &&
+                                            least_gap(data_.world, manifold) < -kApart);
+      }
+    }
+  }
+  islands_.clear();
+  for (std::uint32_t slot = 0; slot < slots; ++slot) {
+    if (in_slot_[slot] != kNone) islands_.emplace_back(root_of(slot), in_slot_[slot]);
+  }
+  std::sort(islands_.begin(), islands_.end());
+}
+
+bool Settlement::moves(std::uint32_t slot) const {
+  return data_.world.all_props()[slot].type == pbd::BodyType::Dynamic;
+}
+
+void Settlement::join(std::uint32_t a, std::uint32_t b) {
+  if (moves(a) && moves(b)) parents_[root_of(a)] = root_of(b);
+}
+
+void Settlement::wake_misplaced() {
+  for (Body& body : bodies_) {
+    const bool lies = body.touched == data_.now && !body.misplaced;
+    if (body.settling && !lies && data_.world.contains(body.id)) data_.world.wake(body.id);
+    body.settling = body.misplaced = false;
+  }
+}
+
+void Settlement::settle_island() {
+  bool free = true;
+  bool touches = false;
+  double gap = 0.0;
+  double reach = 0.0;
+  for (const std::size_t i : members_) {
+    const Body& body = bodies_[i];
+    free = free && body.free;
+    touches = touches || (body.touched != 0 && data_.now - body.touched <= kPatience);
+    gap = std::max(gap, body.gap);
+    reach = std::max(reach, body.widest);
+  }
+  for (const std::size_t i : members_) bodies_[i].reach = reach;
+  // What touches nothing has no place to rest in: it coasts, or hangs and swings.
+  const PeerId elected = gap > kApart && free && touches ? elect() : 0;
+  for (const std::size_t i : members_) {
+    if (bodies_[i].elected == elected) continue;
+    bodies_[i].elected = elected;
+    bodies_[i].elected_since = data_.now;
+  }
+  if (elected != 0) follow(elected);
+}
+
+PeerId Settlement::elect() {
+  candidates_.clear();
+  for (const Copy& copy : bodies_[members_.front()].copies) {
+    const bool at_rest = std::all_of(members_.begin(), members_.end(),
+                                     [&](std::size_t i) { return rests(bodies_[i], copy.peer); });
+    if (at_rest) candidates_.push_back({.peer = copy.peer});
+  }
+  // Where the own copy moves, what the others said when theirs did not is no news.
+  if (candidates_.size() < 2 || candidates_.front().peer != data_.self()) return 0;
+  for (const std::size_t i : members_) {
+    for (std::size_t a = 0; a < candidates_.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        const double way = apart(i, candidates_[a].peer, candidates_[b].peer);
+        candidates_[a].cost += way;
+        candidates_[b].cost += way;
+      }
+    }
+  }
+  double least = candidates_.front().cost;
+  for (const Candidate& candidate : candidates_) least = std::min(least, candidate.cost);
+  const Body& last = bodies_[members_.front()];
+  PeerId elected = 0;
+  for (const Candidate& candidate : candidates_) {
+    const bool was = candidate.peer == last.elected && data_.now - last.elected_since < kTerm;
+    if (candidate.cost > (was ? kDeposed : kOutvoted) * least) continue;
+    if (was) return candidate.peer;
+    elected = elected == 0 ? candidate.peer : std::min(elected, candidate.peer);
+  }
+  return elected;
+}
+
+void Settlement::follow(PeerId elected) {
+  const bool here = std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
+    return apart(i, data_.self(), elected) <= kApart;
+  });
+  bool stands = elected == data_.self() || here;
+  if (!stands) {
+    const bool asleep = std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
+      return sleeps(said(i, elected)->update);
+    });
+    const SessionTime waited = data_.now - bodies_[members_.front()].elected_since;
+    if (!asleep && waited < kSleepPatience) return;
+    const Body::Taken how = asleep ? Body::Taken::Asleep : Body::Taken::Awake;
+    const bool in_vain = std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
+      const Body& body = bodies_[i];
+      return body.taken >= how &&
+             distance(pose_of(i, *said(i, elected)), body.taken_pose) <= kApart;
+    });
+    if (!in_vain) return take_over(elected, how);
+    stands = true;
+  }
+  for (const std::size_t i : members_) data_.bodies[i].stands = stands;
+}
+
+void Settlement::take_over(PeerId elected, Body::Taken how) {
+  for (const std::size_t i : members_) {
+    SharedBody& shared = data_.bodies[i];
+    Body& body = bodies_[i];
+    const pbd::Pose there = pose_of(i, *said(i, elected));
+    const bool moves = distance(data_.world.pose(body.id), there) > kApart;
+    if (how == Body::Taken::Asleep) {
+      pbd::BodyActivity activity = data_.world.activities()[body.id.index];
+      activity.awake = false;
+      data_.world.resume(body.id, {there, {}}, activity);
+    } else {
+      data_.world.set_pose(body.id, there);
+      data_.world.set_twist(body.id, {});
+    }
+    data_.history.restart(body.id.index, data_.world);
+    ++shared.placed;
+    for (Copy& copy : body.copies) copy.since = 0;
+    body.reach = body.widest = 0.0;
+    body.taken = how;
+    body.taken_pose = there;
+    body.settling = how == Body::Taken::Asleep;
+    if (!moves) continue;
+    shared.jumped = SharedBody::kJumpTold;
+    ++data_.stats.bodies_placed;
+  }
+}
+
+bool Settlement::rests(const Body& body, PeerId peer) const {
+  const auto copy = ranges::find(body.copies, peer, &Copy::peer);
+  return copy != body.copies.end() && copy->since != 0 && data_.now - copy->since >= kPatience;
+}
+
+const Inbox::Received* Settlement::said(std::size_t index, PeerId peer) const {
+  const auto newest = data_.inbox.newest_at(index);
+  const auto received = ranges::find(newest, peer, &Inbox::Received::peer);
+  return received != newest.end() ? &*received : nullptr;
+}
+
+pbd::Pose Settlement::pose_of(std::size_t index, const Inbox::Received& received) const {
+  pbd::Pose pose = received.update.pose;
+  if (!received.update.oriented || !data_.bodies[index].def.orientation) {
+    pose.orientation = own_at(index, received).orientation;
+  }
+  return pose;
+}
+
+pbd::Pose Settlement::own_at(std::size_t index, const Inbox::Received& received) const {
+  return data_.history.state_at(bodies_[index].id.index, data_.inbox.holds_until(received)).pose;
+}
+
+double Settlement::apart(std::size_t index, PeerId a, PeerId b) const {
+  if (a == b) return 0.0;
+  if (a == data_.self()) std::swap(a, b);
+  const Inbox::Received& there = *said(index, a);
+  const pbd::Pose pose = pose_of(index, there);
+  return distance(pose, b == data_.self() ? own_at(index, there) : pose_of(index, *said(index, b)));
+}
+
+}  // namespace tandem::consensus

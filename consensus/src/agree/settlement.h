@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "input/activity.h"
+#include "peer_data.h"
+
+namespace tandem::consensus {
+
+/// Ends disagreements between copies that rest. A mean exists within one well: halfway between two
+/// ways to lie a body need not lie at all, and averaging lifts what falls back for ever. So of each
+/// island (all that touches or is jointed) one peer's copy is elected, which stops listening and
+/// comes to rest; the others take it over as a whole. docs/method.md ("Between wells an election").
+class Settlement {
+ public:
+  Settlement(PeerData& data, const Activity& activity) : data_(data), activity_(activity) {}
+
+  /// Before a step, once the news are in. Sets SharedBody::stands.
+  void settle();
+
+ private:
+  /// One peer's copy of a body, and how long it has stayed about there.
+  struct Copy {
+    PeerId peer = 0;
+    pbd::Pose about = {};   ///< where it has been lately, on average
+    SessionTime since = 0;  ///< ns, that it has been near there; 0 = not known
+  };
+  /// What is known of a shared body, by its place in PeerData::bodies.
+  struct Body {
+    pbd::BodyId id = {};
+    std::vector<Copy> copies = {};  ///< the own one first, then those of whose word counts
+    double gap = 0.0;               ///< m, to the copy that is furthest away
+    double widest = 0.0;            ///< m, the same of the last seconds
+    /// m, the widest of its island: what moves within it is moved by agreement alone, and rests.
+    double reach = 0.0;
+    SessionTime touched = 0;   ///< ns, when it was last beside something
+    SessionTime together = 0;  ///< ns, since when all copies are; 0 = they are not
+    bool free = false;         ///< nobody acts on it
+    PeerId elected = 0;
+    SessionTime elected_since = 0;  ///< ns
+    /// What was last taken over: where that led elsewhere it is not tried again.
+    enum class Taken : std::uint8_t { No, Awake, Asleep } taken = Taken::No;
+    pbd::Pose taken_pose = {};
+    bool settling = false;   ///< taken over asleep, and not looked at since
+    bool misplaced = false;  ///< within something that is only here
+  };
+  struct Candidate {
+    PeerId peer = 0;
+    double cost = 0.0;  ///< m, sum of distances to all others
+  };
+
+  void look();
+  void look_at(std::size_t index);
+  void find_islands();
+  std::uint32_t root_of(std::uint32_t slot);
+  void settle_island();
+  /// 0 where nobody is.
+  PeerId elect();
+  void follow(PeerId elected);
+  void take_over(PeerId elected, Body::Taken how);
+  /// Wake what was taken over asleep and lies on nothing here, or within something.
+  void wake_misplaced();
+  bool moves(std::uint32_t slot) const;
+  void join(std::uint32_t a, std::uint32_t b);
+  bool rests(const Body& body, PeerId peer) const;
+  /// What a peer has said of a body; null where it has said nothing.
+  const Inbox::Received* said(std::size_t index, PeerId peer) const;
+  /// Where that peer's copy is, and where the own one was then.
+  pbd::Pose pose_of(std::size_t index, const Inbox::Received& received) const;
+  pbd::Pose own_at(std::size_t index, const Inbox::Received& received) const;
+  /// m, between two peers' copies.
+  double apart(std::size_t index, PeerId a, PeerId b) const;
+
+  PeerData& data_;
+  const Activity& activity_;
+  SessionTime looked_ = 0;  ///< ns
+  std::vector<Body> bodies_;
+  std::vector<std::uint32_t> parents_;                          ///< by slot, of islands
+  std::vector<std::size_t> in_slot_;                            ///< which of bodies_
+  std::vector<std::pair<std::uint32_t, std::size_t>> islands_;  ///< roots and bodies
+  std::vector<std::size_t> members_;                            ///< of the one that is looked at
+  std::vector<Candidate> candidates_;
+};
+
+}  // namespace tandem::consensus
