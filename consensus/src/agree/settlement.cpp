@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "common/body_state.h"
 #include "common/ranges.h"
@@ -35,6 +36,8 @@ constexpr double kOutvoted = 1.4;
 /// elected somebody else, and what rests long enough looks the same to all.
 constexpr double kDeposed = 1.7;
 constexpr SessionTime kTerm = 3'000'000'000;  // ns
+/// ns: what nobody has acted on since is taken over no sooner again, whatever a liar says.
+constexpr SessionTime kAgain = 5'000'000'000;
 
 double distance(const pbd::Pose& a, const pbd::Pose& b) {
   return (a.position - b.position).norm() + kTurnLever * small_angle(a.orientation, b.orientation);
@@ -70,6 +73,7 @@ double least_gap(const pbd::World& world, const pbd::Manifold& manifold) {
 void Settlement::settle() {
   if (data_.now >= looked_ && data_.now - looked_ < kInterval) return;
   looked_ = data_.now;
+  data_.stats.bodies_apart = 0;
   look();
   const bool settling = ranges::any_of(bodies_, [](const Body& body) { return body.settling; });
   if (!settling && !ranges::any_of(bodies_, [](const Body& body) { return body.gap > kApart; })) {
@@ -211,6 +215,9 @@ void Settlement::settle_island() {
     reach = std::max(reach, body.widest);
   }
   for (const std::size_t i : members_) bodies_[i].reach = reach;
+  if (!free) {
+    for (const std::size_t i : members_) bodies_[i].taken_at = 0;
+  }
   // What touches nothing has no place to rest in: it coasts, or hangs and swings.
   const PeerId elected = gap > kApart && free && touches ? elect() : 0;
   for (const std::size_t i : members_) {
@@ -256,8 +263,7 @@ void Settlement::follow(PeerId elected) {
   const bool here = std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
     return apart(i, data_.self(), elected) <= kApart;
   });
-  bool stands = elected == data_.self() || here;
-  if (!stands) {
+  if (elected != data_.self() && !here) {
     const bool asleep = std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
       return sleeps(said(i, elected)->update);
     });
@@ -269,10 +275,14 @@ void Settlement::follow(PeerId elected) {
       return body.taken >= how &&
              distance(pose_of(i, *said(i, elected)), body.taken_pose) <= kApart;
     });
+    const SessionTime last = std::accumulate(
+        members_.begin(), members_.end(), SessionTime{0},
+        [&](SessionTime time, std::size_t i) { return std::max(time, bodies_[i].taken_at); });
+    if (!in_vain && last != 0 && data_.now - last < kAgain) return;
     if (!in_vain) return take_over(elected, how);
-    stands = true;
+    data_.stats.bodies_apart += members_.size();
   }
-  for (const std::size_t i : members_) data_.bodies[i].stands = stands;
+  for (const std::size_t i : members_) data_.bodies[i].stands = true;
 }
 
 void Settlement::take_over(PeerId elected, Body::Taken how) {
@@ -294,6 +304,7 @@ void Settlement::take_over(PeerId elected, Body::Taken how) {
     for (Copy& copy : body.copies) copy.since = 0;
     body.reach = body.widest = 0.0;
     body.taken = how;
+    body.taken_at = data_.now;
     body.taken_pose = there;
     body.settling = how == Body::Taken::Asleep;
     if (!moves) continue;

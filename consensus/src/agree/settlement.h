@@ -46,8 +46,9 @@ class Settlement {
     /// What was last taken over: where that led elsewhere it is not tried again.
     enum class Taken : std::uint8_t { No, Awake, Asleep } taken = Taken::No;
     pbd::Pose taken_pose = {};
-    bool settling = false;   ///< taken over asleep, and not looked at since
-    bool misplaced = false;  ///< within something that is only here
+    SessionTime taken_at = 0;  ///< ns; 0: never, or somebody has acted on it since
+    bool settling = false;     ///< taken over asleep, and not looked at since
+    bool misplaced = false;    ///< within something that is only here
   };
   struct Candidate {
     PeerId peer = 0;

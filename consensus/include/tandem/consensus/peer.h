@@ -110,7 +110,7 @@ struct TANDEM_API PeerOptions {
   /// Whose user was the last to act on a body leads, see docs/ARCHITECTURE.md; false: nobody does.
   bool initiative = true;
   /// Where no average brings copies together (they rest on different faces, or something solid is
-  /// between them) the lower id decides; false: they are averaged all the same.
+  /// between them) one peer's are elected; false: they are averaged all the same.
   bool arbitration = true;
   /// Of this peer's springs. With Hard others are believed as well that they move a body by hand:
   /// they count as its owners while they do.
@@ -184,8 +184,11 @@ struct TANDEM_API PeerStats {
   std::uint64_t bytes_sent = 0;
   InboxCounters inbox;
   ReplayStats replay;
-  /// Bodies put where the leading peer has them, since something solid kept the copies apart.
+  /// Bodies that were taken over from an elected peer, since copies rested in different places.
   std::uint64_t bodies_placed = 0;
+  /// Bodies that now rest elsewhere than the elected peer's do: taking them over was in vain, since
+  /// the surroundings are others.
+  std::uint64_t bodies_apart = 0;
   /// By peer; empty where every state goes to everybody in full, see SendOptions.
   std::vector<LinkStats> links;
 };
