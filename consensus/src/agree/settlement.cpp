@@ -38,6 +38,8 @@ constexpr double kDeposed = 1.7;
 constexpr SessionTime kTerm = 3'000'000'000;  // ns
 /// ns: what nobody has acted on since is taken over no sooner again, whatever a liar says.
 constexpr SessionTime kAgain = 5'000'000'000;
+/// So often the same is taken over: what slides away each time lies on something else here.
+constexpr int kTries = 2;
 
 double distance(const pbd::Pose& a, const pbd::Pose& b) {
   return (a.position - b.position).norm() + kTurnLever * small_angle(a.orientation, b.orientation);
@@ -75,12 +77,12 @@ void Settlement::settle() {
   looked_ = data_.now;
   data_.stats.bodies_apart = 0;
   look();
-  const bool settling = ranges::any_of(bodies_, [](const Body& body) { return body.settling; });
-  if (!settling && !ranges::any_of(bodies_, [](const Body& body) { return body.gap > kApart; })) {
+  const bool tries = ranges::any_of(bodies_, [](const Body& body) { return body.trial != 0; });
+  if (!tries && !ranges::any_of(bodies_, [](const Body& body) { return body.gap > kApart; })) {
     return;
   }
   find_islands();
-  if (settling) wake_misplaced();
+  if (tries) look_at_taken();
   for (auto first = islands_.begin(); first != islands_.end();) {
     const std::uint32_t root = first->first;
     members_.clear();
@@ -146,7 +148,7 @@ void Settlement::look_at(std::size_t index) {
     return;
   }
   if (body.together == 0) body.together = data_.now;
-  if (data_.now - body.together >= kPatience) body.taken = Body::Taken::No;
+  if (data_.now - body.together >= kPatience) body.tries = 0;
 }
 
 std::uint32_t Settlement::root_of(std::uint32_t slot) {
@@ -174,7 +176,7 @@ void Settlement::find_islands() {
         if (in_slot_[slot] == kNone) continue;
         Body& body = bodies_[in_slot_[slot]];
         body.touched = data_.now;
-        body.misplaced = body.misplaced || (body.settling && !moves(other) &&
+        body.misplaced = body.misplaced || (body.trial != 0 && !moves(other) &&
                                             least_gap(data_.world, manifold) < -kApart);
       }
     }
@@ -194,12 +196,35 @@ void Settlement::join(std::uint32_t a, std::uint32_t b) {
   if (moves(a) && moves(b)) parents_[root_of(a)] = root_of(b);
 }
 
-void Settlement::wake_misplaced() {
-  for (Body& body : bodies_) {
-    const bool lies = body.touched == data_.now && !body.misplaced;
-    if (body.settling && !lies && data_.world.contains(body.id)) data_.world.wake(body.id);
-    body.settling = body.misplaced = false;
+void Settlement::look_at_taken() {
+  const auto misplaced = [&](const Body& body) {
+    return body.misplaced || (body.trial != 0 && body.touched != data_.now);
+  };
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    Body& body = bodies_[i];
+    if (body.trial == 0 || !data_.world.contains(body.id)) continue;
+    const bool back = ranges::any_of(
+        bodies_, [&](const Body& other) { return other.trial == body.trial && misplaced(other); });
+    if (back) {
+      put(i, body.before);
+      body.tries = kTries;
+    } else if (!body.asleep) {
+      data_.world.wake(body.id);
+    }
   }
+  for (Body& body : bodies_) {
+    body.trial = 0;
+    body.misplaced = false;
+  }
+}
+
+void Settlement::put(std::size_t index, const pbd::Pose& pose) {
+  SharedBody& shared = data_.bodies[index];
+  data_.world.set_pose(shared.def.body, pose);
+  data_.world.set_twist(shared.def.body, {});
+  data_.history.restart(shared.def.body.index, data_.world);
+  ++shared.placed;
+  shared.jumped = SharedBody::kJumpTold;
 }
 
 void Settlement::settle_island() {
@@ -260,53 +285,54 @@ PeerId Settlement::elect() {
 }
 
 void Settlement::follow(PeerId elected) {
-  const bool here = std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
-    return apart(i, data_.self(), elected) <= kApart;
-  });
+  const auto all = [&](auto test) { return std::all_of(members_.begin(), members_.end(), test); };
+  const bool here = all([&](std::size_t i) { return apart(i, data_.self(), elected) <= kApart; });
   if (elected != data_.self() && !here) {
-    const bool asleep = std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
-      return sleeps(said(i, elected)->update);
-    });
-    const SessionTime waited = data_.now - bodies_[members_.front()].elected_since;
-    if (!asleep && waited < kSleepPatience) return;
-    const Body::Taken how = asleep ? Body::Taken::Asleep : Body::Taken::Awake;
-    const bool in_vain = std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
+    const bool asleep = all([&](std::size_t i) { return sleeps(said(i, elected)->update); });
+    const bool tried = all([&](std::size_t i) {
       const Body& body = bodies_[i];
-      return body.taken >= how &&
-             distance(pose_of(i, *said(i, elected)), body.taken_pose) <= kApart;
+      const pbd::Pose there = pose_of(i, *said(i, elected));
+      return body.tries >= kTries && distance(there, body.taken_pose) <= kApart;
     });
-    const SessionTime last = std::accumulate(
-        members_.begin(), members_.end(), SessionTime{0},
-        [&](SessionTime time, std::size_t i) { return std::max(time, bodies_[i].taken_at); });
-    if (!in_vain && last != 0 && data_.now - last < kAgain) return;
-    if (!in_vain) return take_over(elected, how);
-    data_.stats.bodies_apart += members_.size();
+    if (tried) {
+      data_.stats.bodies_apart += members_.size();
+    } else if (may_take_over(asleep)) {
+      return take_over(elected, asleep);
+    } else {
+      return;
+    }
   }
   for (const std::size_t i : members_) data_.bodies[i].stands = true;
 }
 
-void Settlement::take_over(PeerId elected, Body::Taken how) {
+bool Settlement::may_take_over(bool asleep) const {
+  const Body& first = bodies_[members_.front()];
+  if (!asleep && data_.now - first.elected_since < kSleepPatience) return false;
+  return std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
+    return bodies_[i].taken_at == 0 || data_.now - bodies_[i].taken_at >= kAgain;
+  });
+}
+
+void Settlement::take_over(PeerId elected, bool asleep) {
+  ++trials_;
   for (const std::size_t i : members_) {
     SharedBody& shared = data_.bodies[i];
     Body& body = bodies_[i];
     const pbd::Pose there = pose_of(i, *said(i, elected));
     const bool moves = distance(data_.world.pose(body.id), there) > kApart;
-    if (how == Body::Taken::Asleep) {
-      pbd::BodyActivity activity = data_.world.activities()[body.id.index];
-      activity.awake = false;
-      data_.world.resume(body.id, {there, {}}, activity);
-    } else {
-      data_.world.set_pose(body.id, there);
-      data_.world.set_twist(body.id, {});
-    }
+    body.tries = distance(there, body.taken_pose) <= kApart ? body.tries + 1 : 1;
+    body.before = data_.world.pose(body.id);
+    body.taken_pose = there;
+    body.taken_at = data_.now;
+    body.trial = trials_;
+    body.asleep = asleep;
+    body.reach = body.widest = 0.0;
+    for (Copy& copy : body.copies) copy.since = 0;
+    pbd::BodyActivity activity = data_.world.activities()[body.id.index];
+    activity.awake = false;
+    data_.world.resume(body.id, {there, {}}, activity);
     data_.history.restart(body.id.index, data_.world);
     ++shared.placed;
-    for (Copy& copy : body.copies) copy.since = 0;
-    body.reach = body.widest = 0.0;
-    body.taken = how;
-    body.taken_at = data_.now;
-    body.taken_pose = there;
-    body.settling = how == Body::Taken::Asleep;
     if (!moves) continue;
     shared.jumped = SharedBody::kJumpTold;
     ++data_.stats.bodies_placed;

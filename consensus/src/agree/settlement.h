@@ -43,12 +43,14 @@ class Settlement {
     bool free = false;         ///< nobody acts on it
     PeerId elected = 0;
     SessionTime elected_since = 0;  ///< ns
-    /// What was last taken over: where that led elsewhere it is not tried again.
-    enum class Taken : std::uint8_t { No, Awake, Asleep } taken = Taken::No;
+    /// What was last taken over; where that did not last it is not tried for ever.
     pbd::Pose taken_pose = {};
     SessionTime taken_at = 0;  ///< ns; 0: never, or somebody has acted on it since
-    bool settling = false;     ///< taken over asleep, and not looked at since
-    bool misplaced = false;    ///< within something that is only here
+    int tries = 0;
+    std::uint64_t trial = 0;  ///< taken over with others, and not looked at since; 0 = it is not
+    bool asleep = false;      ///< there
+    bool misplaced = false;   ///< it lies within something that is only here
+    pbd::Pose before = {};    ///< where it was
   };
   struct Candidate {
     PeerId peer = 0;
@@ -63,9 +65,13 @@ class Settlement {
   /// 0 where nobody is.
   PeerId elect();
   void follow(PeerId elected);
-  void take_over(PeerId elected, Body::Taken how);
-  /// Wake what was taken over asleep and lies on nothing here, or within something.
-  void wake_misplaced();
+  bool may_take_over(bool asleep) const;
+  /// Put the island where that peer has it, asleep, so that nothing is solved before it was looked
+  /// at.
+  void take_over(PeerId elected, bool asleep);
+  /// Put back what was taken over where some of it lies on nothing here, or within something.
+  void look_at_taken();
+  void put(std::size_t index, const pbd::Pose& pose);
   bool moves(std::uint32_t slot) const;
   void join(std::uint32_t a, std::uint32_t b);
   bool rests(const Body& body, PeerId peer) const;
@@ -80,6 +86,7 @@ class Settlement {
   PeerData& data_;
   const Activity& activity_;
   SessionTime looked_ = 0;  ///< ns
+  std::uint64_t trials_ = 0;
   std::vector<Body> bodies_;
   std::vector<std::uint32_t> parents_;                          ///< by slot, of islands
   std::vector<std::size_t> in_slot_;                            ///< which of bodies_
