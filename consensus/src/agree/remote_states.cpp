@@ -90,7 +90,8 @@ Stamped RemoteStates::compare(const SharedBody& shared, const StateUpdate& updat
   }
   missing = gap(then, there.state);
   const double age = seconds(data_.now - update.stamp);
-  const double way = missing.translation.norm() + kLeverArm * missing.rotation.norm();
+  const double way = missing.translation.norm() + kLeverArm * missing.rotation.norm() +
+                     data_.history.lag(shared.def.body.index, update.stamp);
   there.apart = way + age * speed(missing.twist) > data_.options.replay.tolerance;
   return there;
 }

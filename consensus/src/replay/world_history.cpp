@@ -43,6 +43,7 @@ void WorldHistory::notice(const pbd::World& world) {
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
     const std::uint32_t generation = world.body_at(slot).generation;
     if (slot < known && generation == generations_[slot]) continue;
+    if (slot < known) std::erase_if(late_, [slot](const Late& l) { return l.slot == slot; });
     generations_[slot] = generation;
     since_[slot] = frame.time;
     frame.states[slot] = world.states()[slot];
@@ -64,6 +65,8 @@ void WorldHistory::add(SessionTime time, const pbd::World& world) {
   frame.pushed.clear();
   frame.pulls.clear();
   agreed_.clear();
+  acted_.clear();
+  std::erase_if(late_, [&](const Late& late) { return late.taken < time - longest_; });
   notice(world);
 }
 
@@ -71,8 +74,20 @@ void WorldHistory::note_agreement(std::uint32_t slot, const pbd::World& world) {
   agreed_.push_back({slot, world.states()[slot]});
 }
 
+void WorldHistory::note_late(std::uint32_t slot, SessionTime done, const pbd::Twist& change) {
+  if (!knows(slot)) return;
+  const SessionTime taken = frame(last()).time;
+  late_.push_back({slot, change, std::min(done, taken), taken});
+  const auto acted = ranges::find(acted_, slot, &Push::slot);
+  pbd::Twist& sum = (acted != acted_.end() ? *acted : acted_.emplace_back(Push{.slot = slot})).twist;
+  sum.linear += change.linear;
+  sum.angular += change.angular;
+}
+
 void WorldHistory::restart(std::uint32_t slot, const pbd::World& world) {
   if (!knows(slot)) return;
+  std::erase_if(late_, [slot](const Late& late) { return late.slot == slot; });
+  std::erase_if(acted_, [slot](const Push& push) { return push.slot == slot; });
   since_[slot] = frame(last()).time;
   newest_frame().states[slot] = world.states()[slot];
 }
@@ -92,10 +107,20 @@ void WorldHistory::note_inputs(const pbd::World& world) {
     }
   }
   ranges::sort(agreed_, &State::slot);
+  ranges::sort(acted_, &Push::slot);
   auto agreed = agreed_.begin();
+  auto acted = acted_.begin();
   const std::span<const pbd::BodyState> states = world.states();
   for (std::uint32_t slot = 0; slot < states.size(); ++slot) {
     const pbd::BodyState* expected = &frame.states[slot];
+    pbd::BodyState with_acts;
+    while (acted != acted_.end() && acted->slot < slot) ++acted;
+    if (acted != acted_.end() && acted->slot == slot) {
+      with_acts = *expected;
+      with_acts.twist.linear += acted->twist.linear;
+      with_acts.twist.angular += acted->twist.angular;
+      expected = &with_acts;
+    }
     for (; agreed != agreed_.end() && agreed->slot <= slot; ++agreed) {
       if (agreed->slot == slot) expected = &agreed->state;
     }
@@ -140,12 +165,43 @@ SessionTime WorldHistory::since(std::uint32_t slot) const {
   return std::max(since_[slot], frame(first()).time);
 }
 
+pbd::BodyState WorldHistory::with_late(std::uint32_t slot, SessionTime time,
+                                       pbd::BodyState state) const {
+  for (const Late& late : late_) {
+    if (late.slot != slot || time <= late.done || time > late.taken) continue;
+    state.twist.linear += late.twist.linear;
+    state.twist.angular += late.twist.angular;
+    state.pose = carried({state.pose, late.twist}, seconds(time - late.done)).pose;
+  }
+  return state;
+}
+
+pbd::BodyState WorldHistory::present(std::uint32_t slot) const {
+  pbd::BodyState state = newest(slot);
+  const SessionTime time = frame(last()).time;
+  for (const Late& late : late_) {
+    if (late.slot != slot || late.taken != time || late.done == time) continue;
+    state.twist.linear += late.twist.linear;
+    state.twist.angular += late.twist.angular;
+  }
+  return state;
+}
+
+double WorldHistory::lag(std::uint32_t slot, SessionTime time) const {
+  double way = 0.0;
+  for (const Late& late : late_) {
+    if (late.slot != slot || time > late.taken) continue;
+    way += seconds(late.taken - late.done) * speed(late.twist);
+  }
+  return way;
+}
+
 pbd::BodyState WorldHistory::state_at(std::uint32_t slot, SessionTime time) const {
   const SessionTime known = std::max(time, since(slot));
   const std::size_t n = at_or_before(known);
   const Frame& before = frame(n);
   const pbd::BodyState& a = before.states[slot];
-  if (n == last() || known <= before.time) return a;
+  if (n == last() || known <= before.time) return with_late(slot, known, a);
   const Frame& after = frame(n + 1);
   const pbd::BodyState& b = after.states[slot];
   const double dt = seconds(after.time - before.time);
@@ -159,7 +215,7 @@ pbd::BodyState WorldHistory::state_at(std::uint32_t slot, SessionTime time) cons
       a.pose.orientation, f * pbd::rotation_between(a.pose.orientation, b.pose.orientation));
   state.twist.linear = a.twist.linear + f * (b.twist.linear - a.twist.linear);
   state.twist.angular = a.twist.angular + f * (b.twist.angular - a.twist.angular);
-  return state;
+  return with_late(slot, known, state);
 }
 
 pbd::BodyState WorldHistory::state_beside(std::uint32_t slot, SessionTime time,
@@ -172,7 +228,8 @@ pbd::BodyState WorldHistory::state_beside(std::uint32_t slot, SessionTime time,
   const double off_b = speed(difference(b.twist, other));
   if (!(speed(difference(b.twist, a.twist)) > kHit)) return state_at(slot, time);
   const bool first = off_a < off_b;
-  return carried(first ? a : b, seconds(time - frame(first ? n : n + 1).time));
+  return with_late(slot, time,
+                   carried(first ? a : b, seconds(time - frame(first ? n : n + 1).time)));
 }
 
 MotionSample OwnMotion::newest() const {

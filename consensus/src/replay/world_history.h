@@ -36,6 +36,14 @@ class WorldHistory {
     std::uint32_t slot = 0;
     pbd::Twist twist;  ///< change of the twist
   };
+  /// What somebody else did to a body, and is known only since: states of the frames in between
+    /// are as they were sent, without it.
+  struct Late {
+    std::uint32_t slot = 0;
+    pbd::Twist twist;        ///< change of the twist
+    SessionTime done = 0;    ///< ns
+    SessionTime taken = 0;   ///< ns, time of the last frame then; done <= taken
+  };
   struct Frame {
     SessionTime time = 0;                ///< ns
     std::vector<pbd::BodyState> states;  ///< by slot, at `time`, as they were sent
@@ -61,7 +69,12 @@ class WorldHistory {
   void note_agreement(std::uint32_t slot, const pbd::World& world);
   /// The body was put where others have it: what it did before is not to be compared with them.
   void restart(std::uint32_t slot, const pbd::World& world);
-  void clear() { count_ = 0; }
+  /// What was done to a body at `done`, has just been done to it here: nobody's input, but states
+  /// of the past are compared with others' as if it had been known.
+  void note_late(std::uint32_t slot, SessionTime done, const pbd::Twist& change);
+  /// In the order in which they came.
+  const std::vector<Late>& late() const { return late_; }
+  void clear() { count_ = 0, late_.clear(); }
 
   bool empty() const { return count_ == 0; }
   // Frames have numbers that grow.
@@ -80,6 +93,10 @@ class WorldHistory {
   /// is on the side of the hit that moves like that.
   pbd::BodyState state_beside(std::uint32_t slot, SessionTime time, const pbd::Twist& other) const;
   const pbd::BodyState& newest(std::uint32_t slot) const { return frame(last()).states[slot]; }
+  /// The same with the twists that were changed since by what came late.
+  pbd::BodyState present(std::uint32_t slot) const;
+  /// m: how far the body is behind for what came late, where a state of that time is compared.
+  double lag(std::uint32_t slot, SessionTime time) const;
   /// ns, since when this body is known.
   SessionTime since(std::uint32_t slot) const;
   /// Whether the application has put the body somewhere in a step that began then or later.
@@ -89,6 +106,8 @@ class WorldHistory {
  private:
   Frame& newest_frame() { return frames_[(end_ - 1) % frames_.size()]; }
   void grow();
+  /// `state` of a body at `time` with what was done before, and taken later.
+  pbd::BodyState with_late(std::uint32_t slot, SessionTime time, pbd::BodyState state) const;
 
   SessionTime longest_;
   std::vector<Frame> frames_;
@@ -97,6 +116,8 @@ class WorldHistory {
   std::vector<SessionTime> since_;          ///< ns, by slot
   std::vector<std::uint32_t> generations_;  ///< by slot
   std::vector<State> agreed_;
+  std::vector<Late> late_;   ///< by `taken`
+  std::vector<Push> acted_;  ///< of late_, since the last frame; one of each slot
 };
 
 /// The own motion of one body, for predictors.
