@@ -16,6 +16,10 @@ namespace {
 /// ns: for so long acts under one name are one, and who has an act is looked at.
 constexpr SessionTime kOneAct = 1'000'000'000;
 
+/// Part of an act's change that a body has gained before the act was known here: it has followed
+/// others by then.
+constexpr double kFollowed = 0.2;
+
 /// m/s and rad/s: an impulse that would do more is cut to it before it is looked at any closer.
 constexpr double kMostChange = 1e5;
 
@@ -43,6 +47,7 @@ bool Acts::act(const ActDef& def, SharedBody& shared, PeerId self, SessionTime n
   update.number = next_number_;
   update.stamp = when;
   const pbd::Twist change = apply(update, shared);
+  history_.note_own(body.index, world_.state(body), change, def.pose.has_value());
   if (shared.def.owner == self) return true;  // its states say it all
   if (!budget_.fill(now) || acts_.size() >= kMaxOfAll) return false;
   budget_.spend(def.pose ? kPlacing : 1.0);
@@ -147,10 +152,10 @@ pbd::Twist Acts::take(const ActUpdate& update, SharedBody& shared, SessionTime d
   }
   pbd::Twist change = apply(act, shared);
   const auto sent = ranges::find(newest, from, &Inbox::Received::peer);
-  const bool overtaken =
-      sent != newest.end() && sent->update.stamp > done && sent->arrival < taken;
-  if (overtaken) {
-    const double left = 1.0 - part_here(shared, change, done);
+  // Lost, and sent again: the body has followed states meanwhile that have it.
+  const bool told = sent != newest.end() && sent->update.stamp > done;
+  if (told && (sent->arrival < taken || part_gained(body, before.twist, change, done) > kFollowed)) {
+    const double left = part_missing(body, *sent, change);
     change = {left * change.linear, left * change.angular};
     world_.set_twist(body, {before.twist.linear + change.linear,
                             before.twist.angular + change.angular});
@@ -159,21 +164,28 @@ pbd::Twist Acts::take(const ActUpdate& update, SharedBody& shared, SessionTime d
   return change;
 }
 
-double Acts::part_here(const SharedBody& shared, const pbd::Twist& change,
-                       SessionTime done) const {
-  const pbd::BodyId body = shared.def.body;
+double Acts::part_gained(pbd::BodyId body, const pbd::Twist& now, const pbd::Twist& change,
+                         SessionTime done) const {
   const double square = change.linear.squaredNorm();
   if (!(square > 0.0) || !history_.knows(body.index)) return 0.0;
-  const pbd::BodyState& last = history_.newest(body.index);
-  pbd::Vec3 gained = last.twist.linear - history_.state_at(body.index, done).twist.linear;
-  if (!shared.coupled) {
-    const double fall = seconds(history_.frame(history_.last()).time - done);
-    gained -= fall * world_.props(body).gravity_scale * world_.gravity();
-  }
+  pbd::Vec3 gained = now.linear - history_.state_at(body.index, done).twist.linear;
   for (const Act& other : acts_) {
-    if (other.body == body && other.taken > done) gained -= other.change.linear;
+    if (other.body == body && other.taken >= done) gained -= other.change.linear;
   }
-  return std::clamp(gained.dot(change.linear) / square, 0.0, 1.0);
+  return gained.dot(change.linear) / square;
+}
+
+double Acts::part_missing(pbd::BodyId body, const Inbox::Received& sent,
+                          const pbd::Twist& change) const {
+  const double square = change.linear.squaredNorm();
+  if (!(square > 0.0) || !history_.knows(body.index)) return 1.0;
+  const StateUpdate& there = sent.update;
+  pbd::Vec3 missing =
+      there.twist.linear - history_.state_at(body.index, there.stamp).twist.linear;
+  for (const Act& other : acts_) {
+    if (other.body == body && lacks(other, sent, there.stamp)) missing += other.change.linear;
+  }
+  return std::clamp(missing.dot(change.linear) / square, 0.0, 1.0);
 }
 
 bool Acts::is_superseded(pbd::BodyId body, bool sets_pose, SessionTime done, PeerId actor) const {

@@ -99,8 +99,13 @@ class Acts {
   /// Carry out another peer's act of `done` that is not superseded.
   pbd::Twist take(const ActUpdate& update, SharedBody& shared, SessionTime done,
                   std::span<const Inbox::Received> newest, PeerId from);
-  /// The part of `change` that came with the actor's states before the act itself did: 0 to 1.
-  double part_here(const SharedBody& shared, const pbd::Twist& change, SessionTime done) const;
+  /// The part of an act's `change` that the body has gained since it was done, other acts left out.
+  double part_gained(pbd::BodyId body, const pbd::Twist& now, const pbd::Twist& change,
+                     SessionTime done) const;
+  /// The part of an act's `change` that a state of its actor, which has it, is ahead of here: 0 to
+  /// 1.
+  double part_missing(pbd::BodyId body, const Inbox::Received& sent,
+                      const pbd::Twist& change) const;
   /// Whether the body's pose or twist was set by somebody after that.
   bool is_superseded(pbd::BodyId body, bool sets_pose, SessionTime done, PeerId actor) const;
   Act* find(pbd::BodyId body, PeerId actor, std::uint32_t number, std::uint64_t name);

@@ -39,6 +39,9 @@ pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
   pbd::Correction apart = gap(then, news.state);
   apart.translation += dt * apart.twist.linear;
   apart.rotation += dt * apart.twist.angular;
+  const pbd::Correction behind = history.lag(news.slot, news.stamp, time);
+  apart.translation += behind.translation;
+  apart.rotation += behind.rotation;
   return moved(own, apart);
 }
 

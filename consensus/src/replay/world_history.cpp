@@ -66,6 +66,7 @@ void WorldHistory::add(SessionTime time, const pbd::World& world) {
   frame.pulls.clear();
   agreed_.clear();
   acted_.clear();
+  noted_ = false;
   std::erase_if(late_, [&](const Late& late) { return late.taken < time - longest_; });
   notice(world);
 }
@@ -84,6 +85,16 @@ void WorldHistory::note_late(std::uint32_t slot, SessionTime done, const pbd::Tw
   sum.angular += change.angular;
 }
 
+void WorldHistory::note_own(std::uint32_t slot, const pbd::BodyState& state,
+                            const pbd::Twist& change, bool placed) {
+  if (!noted_ || !knows(slot)) return;
+  if (placed) {
+    newest_frame().placed.push_back({slot, state});
+  } else {
+    newest_frame().pushed.push_back({slot, change});
+  }
+}
+
 void WorldHistory::restart(std::uint32_t slot, const pbd::World& world) {
   if (!knows(slot)) return;
   std::erase_if(late_, [slot](const Late& late) { return late.slot == slot; });
@@ -95,6 +106,7 @@ void WorldHistory::restart(std::uint32_t slot, const pbd::World& world) {
 void WorldHistory::note_inputs(const pbd::World& world) {
   if (count_ == 0) return;
   notice(world);
+  noted_ = true;
   Frame& frame = newest_frame();
   frame.gravity = world.gravity();
   frame.forces.clear();
@@ -187,13 +199,15 @@ pbd::BodyState WorldHistory::present(std::uint32_t slot) const {
   return state;
 }
 
-double WorldHistory::lag(std::uint32_t slot, SessionTime time) const {
-  double way = 0.0;
+pbd::Correction WorldHistory::lag(std::uint32_t slot, SessionTime first, SessionTime end) const {
+  pbd::Correction behind{};
   for (const Late& late : late_) {
-    if (late.slot != slot || time > late.taken) continue;
-    way += seconds(late.taken - late.done) * speed(late.twist);
+    if (late.slot != slot || late.taken < first || late.taken >= end) continue;
+    const double dt = seconds(late.taken - late.done);
+    behind.translation += dt * late.twist.linear;
+    behind.rotation += dt * late.twist.angular;
   }
-  return way;
+  return behind;
 }
 
 pbd::BodyState WorldHistory::state_at(std::uint32_t slot, SessionTime time) const {

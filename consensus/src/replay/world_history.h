@@ -9,6 +9,7 @@
 #include "input/hand_track.h"
 #include "tandem/consensus/predictor.h"
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/tether.h"
 #include "tandem/pbd/world.h"
 
@@ -72,9 +73,13 @@ class WorldHistory {
   /// What was done to a body at `done`, has just been done to it here: nobody's input, but states
   /// of the past are compared with others' as if it had been known.
   void note_late(std::uint32_t slot, SessionTime done, const pbd::Twist& change);
+  /// The application has just done that by an act. Where the step was begun, and its inputs noted,
+  /// it counts as one of them.
+  void note_own(std::uint32_t slot, const pbd::BodyState& state, const pbd::Twist& change,
+                bool placed);
   /// In the order in which they came.
   const std::vector<Late>& late() const { return late_; }
-  void clear() { count_ = 0, late_.clear(); }
+  void clear() { count_ = 0, late_.clear(), noted_ = false; }
 
   bool empty() const { return count_ == 0; }
   // Frames have numbers that grow.
@@ -95,8 +100,9 @@ class WorldHistory {
   const pbd::BodyState& newest(std::uint32_t slot) const { return frame(last()).states[slot]; }
   /// The same with the twists that were changed since by what came late.
   pbd::BodyState present(std::uint32_t slot) const;
-  /// m: how far the body is behind for what came late, where a state of that time is compared.
-  double lag(std::uint32_t slot, SessionTime time) const;
+  /// How far the body has fallen behind, since some of what was done to it came late: what was taken
+  /// from `first` on and before `end`.
+  pbd::Correction lag(std::uint32_t slot, SessionTime first, SessionTime end) const;
   /// ns, since when this body is known.
   SessionTime since(std::uint32_t slot) const;
   /// Whether the application has put the body somewhere in a step that began then or later.
@@ -115,6 +121,7 @@ class WorldHistory {
   std::size_t count_ = 0;
   std::vector<SessionTime> since_;          ///< ns, by slot
   std::vector<std::uint32_t> generations_;  ///< by slot
+  bool noted_ = false;  ///< the inputs of the step from the last frame on
   std::vector<State> agreed_;
   std::vector<Late> late_;   ///< by `taken`
   std::vector<Push> acted_;  ///< of late_, since the last frame; one of each slot
