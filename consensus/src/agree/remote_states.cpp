@@ -92,8 +92,8 @@ Stamped RemoteStates::compare(const SharedBody& shared, const StateUpdate& updat
   missing = gap(then, there.state);
   const double age = seconds(data_.now - update.stamp);
   // What has been done to it since came later here.
-  const pbd::Correction behind = data_.history.lag(
-      shared.def.body.index, update.stamp, std::numeric_limits<SessionTime>::max());
+  const pbd::Correction behind = data_.history.lag(shared.def.body.index, update.stamp,
+                                                   std::numeric_limits<SessionTime>::max());
   const pbd::Vec3 far = missing.translation + behind.translation;
   const pbd::Vec3 turned = missing.rotation + behind.rotation;
   const double way = far.norm() + kLeverArm * turned.norm();

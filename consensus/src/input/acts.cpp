@@ -72,8 +72,7 @@ pbd::Twist Acts::apply(const ActUpdate& act, SharedBody& shared) {
   const pbd::Twist before = world_.state(body).twist;
   if (act.pose) world_.set_pose(body, *act.pose);
   if (act.twist) world_.set_twist(body, *act.twist);
-  const pbd::Vec3 impulse =
-      bearable(props.inverse_mass * act.impulse.norm()) * act.impulse;
+  const pbd::Vec3 impulse = bearable(props.inverse_mass * act.impulse.norm()) * act.impulse;
   if (!impulse.isZero(0.0)) world_.apply_impulse(body, impulse);
   const pbd::Vec3 angular =
       bearable(props.inverse_inertia.norm() * act.angular_impulse.norm()) * act.angular_impulse;
@@ -104,8 +103,8 @@ bool Acts::receive(PeerId from, const ActUpdate& update, SharedBody& shared,
   if (!budget.admits(now) || acts_.size() >= kMaxOfAll) return false;
   budget.spend(update.pose ? kPlacing : 1.0);
   // A newcomer has the body as those have it who have done the act.
-  const bool has_it =
-      !established && shared.joined && history_.knows(body.index) && history_.since(body.index) > done;
+  const bool has_it = !established && shared.joined && history_.knows(body.index) &&
+                      history_.since(body.index) > done;
   pbd::Twist change;
   if (!has_it && !is_superseded(body, update.pose.has_value(), done, from)) {
     change = take(update, shared, done, newest, from);
@@ -151,16 +150,22 @@ pbd::Twist Acts::take(const ActUpdate& update, SharedBody& shared, SessionTime d
     act.twist->angular += before.twist.angular - then.angular;
   }
   pbd::Twist change = apply(act, shared);
+  pbd::Twist lacked = change;  // of the past
   const auto sent = ranges::find(newest, from, &Inbox::Received::peer);
   // Lost, and sent again: the body has followed states meanwhile that have it.
   const bool told = sent != newest.end() && sent->update.stamp > done;
-  if (told && (sent->arrival < taken || part_gained(body, before.twist, change, done) > kFollowed)) {
-    const double left = part_missing(body, *sent, change);
-    change = {left * change.linear, left * change.angular};
-    world_.set_twist(body, {before.twist.linear + change.linear,
-                            before.twist.angular + change.angular});
+  if (told &&
+      (sent->arrival < taken || part_gained(body, before.twist, change, done) > kFollowed)) {
+    const SessionTime stamp = sent->update.stamp;
+    const double then = part_missing(body, *sent, change);
+    const double since = part_gained(body, before.twist, change, stamp);
+    const double now = std::clamp(then - std::max(since, 0.0), 0.0, 1.0);
+    lacked = {then * change.linear, then * change.angular};
+    change = {now * change.linear, now * change.angular};
+    world_.set_twist(body,
+                     {before.twist.linear + change.linear, before.twist.angular + change.angular});
   }
-  history_.note_late(body.index, done, change);
+  history_.note_late(body.index, done, lacked, change);
   return change;
 }
 
@@ -180,8 +185,7 @@ double Acts::part_missing(pbd::BodyId body, const Inbox::Received& sent,
   const double square = change.linear.squaredNorm();
   if (!(square > 0.0) || !history_.knows(body.index)) return 1.0;
   const StateUpdate& there = sent.update;
-  pbd::Vec3 missing =
-      there.twist.linear - history_.state_at(body.index, there.stamp).twist.linear;
+  pbd::Vec3 missing = there.twist.linear - history_.state_at(body.index, there.stamp).twist.linear;
   for (const Act& other : acts_) {
     if (other.body == body && lacks(other, sent, there.stamp)) missing += other.change.linear;
   }
@@ -275,9 +279,8 @@ std::span<const Inbox::Received> Acts::knowing(pbd::BodyId body, const Inbox& in
   heard_.clear();
   for (const Inbox::Received& received : newest) {
     const SessionTime until = inbox.holds_until(received);
-    const bool behind = ranges::any_of(acts_, [&](const Act& act) {
-      return act.body == body && lacks(act, received, until);
-    });
+    const bool behind = ranges::any_of(
+        acts_, [&](const Act& act) { return act.body == body && lacks(act, received, until); });
     if (!behind) heard_.push_back(received);
   }
   return heard_;

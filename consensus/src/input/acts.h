@@ -40,10 +40,7 @@ class Acts {
   static constexpr std::size_t kMaxReceipts = 65536;
 
   Acts(pbd::World& world, WorldHistory& history, const PeerOptions& options)
-      : world_(world),
-        history_(history),
-        options_(options),
-        budget_(kPerSecond, kAtOnce) {}
+      : world_(world), history_(history), options_(options), budget_(kPerSecond, kAtOnce) {}
 
   /// Do an own one. @return false where there are too many for the others to take
   bool act(const ActDef& def, SharedBody& shared, PeerId self, SessionTime now);
@@ -51,8 +48,8 @@ class Acts {
   /// @param established  this peer does not take over what others have any more
   /// @return false where it is too old, too new or of too many
   bool receive(PeerId from, const ActUpdate& update, SharedBody& shared,
-               std::span<const Inbox::Received> newest, bool established,
-               pbd::TokenBucket& budget, SessionTime now);
+               std::span<const Inbox::Received> newest, bool established, pbd::TokenBucket& budget,
+               SessionTime now);
   /// `from` has done an act to a body that is here.
   void receive(PeerId from, const ActReceipt& receipt, pbd::BodyId body);
   /// A step begins at `now`: date what was done before the first one, forget what is old.
@@ -117,9 +114,9 @@ class Acts {
   pbd::World& world_;
   WorldHistory& history_;
   const PeerOptions& options_;
-  pbd::TokenBucket budget_;  ///< of own ones
-  std::vector<Act> acts_;          ///< by serial
-  std::vector<Receipt> receipts_;  ///< by (act, peer)
+  pbd::TokenBucket budget_;           ///< of own ones
+  std::vector<Act> acts_;             ///< by serial
+  std::vector<Receipt> receipts_;     ///< by (act, peer)
   std::vector<std::uint16_t> count_;  ///< of acts_, by slot
   std::vector<ActUpdate> pending_;
   std::vector<ActReceipt> done_;  ///< to be announced

@@ -38,8 +38,9 @@ double work_of(const DecodedPacket& packet) {
                             packet.alive.size() + packet.leaves.size() + packet.ownership.size() +
                             packet.receipts.size();
   const std::size_t springs = packet.springs.size() + packet.anchors.size();
-  return 1.0 + static_cast<double>(packet.states.size() + packet.compact.size() + springs +
-                                   packet.acts.size()) +
+  return 1.0 +
+         static_cast<double>(packet.states.size() + packet.compact.size() + springs +
+                             packet.acts.size()) +
          0.25 * static_cast<double>(light);
 }
 

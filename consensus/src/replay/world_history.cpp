@@ -75,14 +75,16 @@ void WorldHistory::note_agreement(std::uint32_t slot, const pbd::World& world) {
   agreed_.push_back({slot, world.states()[slot]});
 }
 
-void WorldHistory::note_late(std::uint32_t slot, SessionTime done, const pbd::Twist& change) {
+void WorldHistory::note_late(std::uint32_t slot, SessionTime done, const pbd::Twist& change,
+                             const pbd::Twist& now) {
   if (!knows(slot)) return;
   const SessionTime taken = frame(last()).time;
-  late_.push_back({slot, change, std::min(done, taken), taken});
+  late_.push_back({slot, change, now, std::min(done, taken), taken});
   const auto acted = ranges::find(acted_, slot, &Push::slot);
-  pbd::Twist& sum = (acted != acted_.end() ? *acted : acted_.emplace_back(Push{.slot = slot})).twist;
-  sum.linear += change.linear;
-  sum.angular += change.angular;
+  pbd::Twist& sum =
+      (acted != acted_.end() ? *acted : acted_.emplace_back(Push{.slot = slot})).twist;
+  sum.linear += now.linear;
+  sum.angular += now.angular;
 }
 
 void WorldHistory::note_own(std::uint32_t slot, const pbd::BodyState& state,
@@ -193,8 +195,8 @@ pbd::BodyState WorldHistory::present(std::uint32_t slot) const {
   const SessionTime time = frame(last()).time;
   for (const Late& late : late_) {
     if (late.slot != slot || late.taken != time || late.done == time) continue;
-    state.twist.linear += late.twist.linear;
-    state.twist.angular += late.twist.angular;
+    state.twist.linear += late.now.linear;
+    state.twist.angular += late.now.angular;
   }
   return state;
 }

@@ -38,12 +38,13 @@ class WorldHistory {
     pbd::Twist twist;  ///< change of the twist
   };
   /// What somebody else did to a body, and is known only since: states of the frames in between
-    /// are as they were sent, without it.
+  /// are as they were sent, without it.
   struct Late {
     std::uint32_t slot = 0;
-    pbd::Twist twist;        ///< change of the twist
-    SessionTime done = 0;    ///< ns
-    SessionTime taken = 0;   ///< ns, time of the last frame then; done <= taken
+    pbd::Twist twist;       ///< change of the twist, in the past
+    pbd::Twist now;         ///< and of the world when it was taken
+    SessionTime done = 0;   ///< ns
+    SessionTime taken = 0;  ///< ns, time of the last frame then; done <= taken
   };
   struct Frame {
     SessionTime time = 0;                ///< ns
@@ -70,9 +71,12 @@ class WorldHistory {
   void note_agreement(std::uint32_t slot, const pbd::World& world);
   /// The body was put where others have it: what it did before is not to be compared with them.
   void restart(std::uint32_t slot, const pbd::World& world);
-  /// What was done to a body at `done`, has just been done to it here: nobody's input, but states
+  /// What was done to a body at `done` has just been done to it here: nobody's input, but states
   /// of the past are compared with others' as if it had been known.
-  void note_late(std::uint32_t slot, SessionTime done, const pbd::Twist& change);
+  /// @param change  that the past lacks
+  /// @param now     that has been made: less, where the body has followed others since
+  void note_late(std::uint32_t slot, SessionTime done, const pbd::Twist& change,
+                 const pbd::Twist& now);
   /// The application has just done that by an act. Where the step was begun, and its inputs noted,
   /// it counts as one of them.
   void note_own(std::uint32_t slot, const pbd::BodyState& state, const pbd::Twist& change,
@@ -100,8 +104,8 @@ class WorldHistory {
   const pbd::BodyState& newest(std::uint32_t slot) const { return frame(last()).states[slot]; }
   /// The same with the twists that were changed since by what came late.
   pbd::BodyState present(std::uint32_t slot) const;
-  /// How far the body has fallen behind, since some of what was done to it came late: what was taken
-  /// from `first` on and before `end`.
+  /// How far the body has fallen behind, since some of what was done to it came late: what was
+  /// taken from `first` on and before `end`.
   pbd::Correction lag(std::uint32_t slot, SessionTime first, SessionTime end) const;
   /// ns, since when this body is known.
   SessionTime since(std::uint32_t slot) const;
@@ -121,7 +125,7 @@ class WorldHistory {
   std::size_t count_ = 0;
   std::vector<SessionTime> since_;          ///< ns, by slot
   std::vector<std::uint32_t> generations_;  ///< by slot
-  bool noted_ = false;  ///< the inputs of the step from the last frame on
+  bool noted_ = false;                      ///< the inputs of the step from the last frame on
   std::vector<State> agreed_;
   std::vector<Late> late_;   ///< by `taken`
   std::vector<Push> acted_;  ///< of late_, since the last frame; one of each slot
