@@ -149,24 +149,51 @@ pbd::Twist Acts::take(const ActUpdate& update, SharedBody& shared, SessionTime d
     act.twist->linear += before.twist.linear - then.linear;
     act.twist->angular += before.twist.angular - then.angular;
   }
-  pbd::Twist change = apply(act, shared);
-  pbd::Twist lacked = change;  // of the past
+  const pbd::Twist change = apply(act, shared);
+  const double dt = seconds(taken - done);
+  WorldHistory::Late late{.slot = body.index,
+                          .twist = change,
+                          .now = change,
+                          .done = done,
+                          .followed = taken,
+                          .taken = taken,
+                          .behind = {dt * change.linear, dt * change.angular, {}}};
   const auto sent = ranges::find(newest, from, &Inbox::Received::peer);
-  // Lost, and sent again: the body has followed states meanwhile that have it.
+  // Lost, and sent again, or overtaken: the body has followed states meanwhile that have it.
   const bool told = sent != newest.end() && sent->update.stamp > done;
   if (told &&
       (sent->arrival < taken || part_gained(body, before.twist, change, done) > kFollowed)) {
-    const SessionTime stamp = sent->update.stamp;
-    const double then = part_missing(body, *sent, change);
-    const double since = part_gained(body, before.twist, change, stamp);
-    const double now = std::clamp(then - std::max(since, 0.0), 0.0, 1.0);
-    lacked = {then * change.linear, then * change.angular};
-    change = {now * change.linear, now * change.angular};
-    world_.set_twist(body,
-                     {before.twist.linear + change.linear, before.twist.angular + change.angular});
+    follow(body, *sent, before, late);
+    world_.set_twist(
+        body, {before.twist.linear + late.now.linear, before.twist.angular + late.now.angular});
   }
-  history_.note_late(body.index, done, lacked, change);
-  return change;
+  history_.note_late(late);
+  return late.now;
+}
+
+void Acts::follow(pbd::BodyId body, const Inbox::Received& sent, const pbd::BodyState& before,
+                  WorldHistory::Late& late) const {
+  const pbd::Twist change = late.twist;
+  const SessionTime stamp = sent.update.stamp;
+  const double then = part_missing(body, sent, change);
+  const double since = part_gained(body, before.twist, change, stamp);
+  const double now = std::clamp(then - std::max(since, 0.0), 0.0, 1.0);
+  late.twist = {then * change.linear, then * change.angular};
+  late.now = {now * change.linear, now * change.angular};
+  late.followed = std::min(late.taken, sent.arrival);
+  if (!history_.knows(body.index)) return;
+  // Less what it has moved beside its own motion since that state.
+  const pbd::BodyState old = history_.state_at(body.index, stamp);
+  const double age = seconds(late.taken - stamp);
+  const double dt = seconds(late.taken - late.done);
+  late.behind.translation = dt * late.twist.linear;
+  late.behind.rotation = dt * late.twist.angular;
+  const pbd::Vec3 gained = before.pose.position - old.pose.position - age * old.twist.linear;
+  const double square = late.behind.translation.squaredNorm();
+  if (!(square > 0.0)) return;
+  const double part = std::clamp(gained.dot(late.behind.translation) / square, 0.0, 1.0);
+  late.behind.translation *= 1.0 - part;
+  late.behind.rotation *= 1.0 - part;
 }
 
 double Acts::part_gained(pbd::BodyId body, const pbd::Twist& now, const pbd::Twist& change,

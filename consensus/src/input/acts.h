@@ -96,6 +96,11 @@ class Acts {
   /// Carry out another peer's act of `done` that is not superseded.
   pbd::Twist take(const ActUpdate& update, SharedBody& shared, SessionTime done,
                   std::span<const Inbox::Received> newest, PeerId from);
+  /// Take out of `late` what the body has followed already.
+  /// @param sent    a state of the actor that has it
+  /// @param before  of the body, without it
+  void follow(pbd::BodyId body, const Inbox::Received& sent, const pbd::BodyState& before,
+              WorldHistory::Late& late) const;
   /// The part of an act's `change` that the body has gained since it was done, other acts left out.
   double part_gained(pbd::BodyId body, const pbd::Twist& now, const pbd::Twist& change,
                      SessionTime done) const;

@@ -227,17 +227,14 @@ void Replay::take_late(std::size_t frame) {
   const SessionTime lacks = schedule_.is_fresh() ? time : history_.frame(history_.last()).time;
   for (const WorldHistory::Late& late : all) {
     const bool due = begins ? late.taken >= lacks : late.done > before;
-    if (due && late.done < time) push(late, seconds(time - late.done));
+    if (due && late.done < time) push(late, time);
   }
 }
 
-void Replay::push(const WorldHistory::Late& late, double since) {
+void Replay::push(const WorldHistory::Late& late, SessionTime time) {
   if (!is_here(late.slot)) return;
-  pbd::BodyState state = copy_.world().states()[late.slot];
-  state.pose = carried({state.pose, late.twist}, since).pose;
-  state.twist.linear += late.twist.linear;
-  state.twist.angular += late.twist.angular;
-  copy_.set_state(late.slot, state, true);
+  const pbd::BodyState state = copy_.world().states()[late.slot];
+  copy_.set_state(late.slot, late.added_to(state, time), true);
 }
 
 void Replay::blend(std::size_t frame) {
@@ -282,7 +279,7 @@ void Replay::apply_inputs(std::size_t number) {
     copy_.set_state(pushed.slot, state, true);
   }
   for (const WorldHistory::Late& late : history_.late()) {
-    if (late.done == frame.time) push(late, 0.0);
+    if (late.done == frame.time) push(late, frame.time);
   }
   for (const Prescribed& body : prescribed_) {
     if (!body.from.has_value()) {

@@ -92,8 +92,7 @@ class Replay {
   /// What was done to bodies before that frame, and since the one before it or, where this update
   /// begins, since ever.
   void take_late(std::size_t frame);
-  /// @param since  s, from when it was done
-  void push(const WorldHistory::Late& late, double since);
+  void push(const WorldHistory::Late& late, SessionTime time);
   void blend(std::size_t frame);
   void apply_inputs(std::size_t frame);
   std::size_t awake() const;

@@ -75,16 +75,23 @@ void WorldHistory::note_agreement(std::uint32_t slot, const pbd::World& world) {
   agreed_.push_back({slot, world.states()[slot]});
 }
 
-void WorldHistory::note_late(std::uint32_t slot, SessionTime done, const pbd::Twist& change,
-                             const pbd::Twist& now) {
-  if (!knows(slot)) return;
-  const SessionTime taken = frame(last()).time;
-  late_.push_back({slot, change, now, std::min(done, taken), taken});
-  const auto acted = ranges::find(acted_, slot, &Push::slot);
+pbd::BodyState WorldHistory::Late::added_to(const pbd::BodyState& state, SessionTime time) const {
+  const bool follows = time > followed;
+  const pbd::Twist& change = follows ? now : twist;
+  // What agreement has moved since is in the pose.
+  const double since = follows ? 0.0 : seconds(time - done);
+  return {carried({state.pose, change}, since).pose,
+          {state.twist.linear + change.linear, state.twist.angular + change.angular}};
+}
+
+void WorldHistory::note_late(const Late& late) {
+  if (!knows(late.slot)) return;
+  late_.push_back(late);
+  const auto acted = ranges::find(acted_, late.slot, &Push::slot);
   pbd::Twist& sum =
-      (acted != acted_.end() ? *acted : acted_.emplace_back(Push{.slot = slot})).twist;
-  sum.linear += now.linear;
-  sum.angular += now.angular;
+      (acted != acted_.end() ? *acted : acted_.emplace_back(Push{.slot = late.slot})).twist;
+  sum.linear += late.now.linear;
+  sum.angular += late.now.angular;
 }
 
 void WorldHistory::note_own(std::uint32_t slot, const pbd::BodyState& state,
@@ -183,9 +190,7 @@ pbd::BodyState WorldHistory::with_late(std::uint32_t slot, SessionTime time,
                                        pbd::BodyState state) const {
   for (const Late& late : late_) {
     if (late.slot != slot || time <= late.done || time > late.taken) continue;
-    state.twist.linear += late.twist.linear;
-    state.twist.angular += late.twist.angular;
-    state.pose = carried({state.pose, late.twist}, seconds(time - late.done)).pose;
+    state = late.added_to(state, time);
   }
   return state;
 }
@@ -205,9 +210,8 @@ pbd::Correction WorldHistory::lag(std::uint32_t slot, SessionTime first, Session
   pbd::Correction behind{};
   for (const Late& late : late_) {
     if (late.slot != slot || late.taken < first || late.taken >= end) continue;
-    const double dt = seconds(late.taken - late.done);
-    behind.translation += dt * late.twist.linear;
-    behind.rotation += dt * late.twist.angular;
+    behind.translation += late.behind.translation;
+    behind.rotation += late.behind.rotation;
   }
   return behind;
 }

@@ -41,10 +41,15 @@ class WorldHistory {
   /// are as they were sent, without it.
   struct Late {
     std::uint32_t slot = 0;
-    pbd::Twist twist;       ///< change of the twist, in the past
-    pbd::Twist now;         ///< and of the world when it was taken
-    SessionTime done = 0;   ///< ns
-    SessionTime taken = 0;  ///< ns, time of the last frame then; done <= taken
+    pbd::Twist twist;             ///< change of the twist that the past lacks
+    pbd::Twist now;               ///< and that was made when it was taken: less, if it was followed
+    SessionTime done = 0;         ///< ns
+    SessionTime followed = 0;     ///< ns: later frames have seen the body follow who had it
+    SessionTime taken = 0;        ///< ns, time of the last frame then
+    pbd::Correction behind = {};  ///< what its pose had fallen behind by then
+
+    /// `state` of that body at `time` with what it lacks.
+    pbd::BodyState added_to(const pbd::BodyState& state, SessionTime time) const;
   };
   struct Frame {
     SessionTime time = 0;                ///< ns
@@ -71,12 +76,9 @@ class WorldHistory {
   void note_agreement(std::uint32_t slot, const pbd::World& world);
   /// The body was put where others have it: what it did before is not to be compared with them.
   void restart(std::uint32_t slot, const pbd::World& world);
-  /// What was done to a body at `done` has just been done to it here: nobody's input, but states
-  /// of the past are compared with others' as if it had been known.
-  /// @param change  that the past lacks
-  /// @param now     that has been made: less, where the body has followed others since
-  void note_late(std::uint32_t slot, SessionTime done, const pbd::Twist& change,
-                 const pbd::Twist& now);
+  /// What was done to a body before has just been done to it here: nobody's input, but states of
+  /// the past are compared with others' as if it had been known. @pre late.done <= late.taken
+  void note_late(const Late& late);
   /// The application has just done that by an act. Where the step was begun, and its inputs noted,
   /// it counts as one of them.
   void note_own(std::uint32_t slot, const pbd::BodyState& state, const pbd::Twist& change,
