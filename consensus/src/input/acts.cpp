@@ -21,7 +21,7 @@ constexpr SessionTime kOneAct = 1'000'000'000;
 constexpr double kFollowed = 0.2;
 
 /// m/s and rad/s: an impulse that would do more is cut to it before it is looked at any closer.
-constexpr double kMostChange = 1e5;
+constexpr double kMaxChange = 1e5;
 
 /// `after` cut so that it is no longer than `limit`, or than `before` where that is more.
 pbd::Vec3 within(const pbd::Vec3& before, const pbd::Vec3& after, double limit) {
@@ -30,8 +30,8 @@ pbd::Vec3 within(const pbd::Vec3& before, const pbd::Vec3& after, double limit) 
   return length > most ? pbd::Vec3(after * (most / length)) : after;
 }
 
-/// The part of an impulse that changes a speed by kMostChange at most.
-double bearable(double change) { return change > kMostChange ? kMostChange / change : 1.0; }
+/// The part of an impulse that changes a speed by kMaxChange at most.
+double bearable(double change) { return change > kMaxChange ? kMaxChange / change : 1.0; }
 
 }  // namespace
 
@@ -78,11 +78,15 @@ pbd::Twist Acts::apply(const ActUpdate& act, SharedBody& shared) {
       bearable(props.inverse_inertia.norm() * act.angular_impulse.norm()) * act.angular_impulse;
   if (!angular.isZero(0.0)) world_.apply_angular_impulse(body, angular);
   // Hands make nothing faster either.
-  pbd::Twist after = world_.state(body).twist;
-  after.linear = within(before.linear, after.linear, options_.robust.max_pull_speed);
-  after.angular = within(before.angular, after.angular, options_.robust.max_spin_correction);
+  const pbd::Twist after = within_limits(before, world_.state(body).twist);
   world_.set_twist(body, after);
   return difference(after, before);
+}
+
+pbd::Twist Acts::within_limits(const pbd::Twist& before, const pbd::Twist& after) const {
+  const RobustOptions& robust = options_.robust;
+  return {within(before.linear, after.linear, robust.max_pull_speed),
+          within(before.angular, after.angular, robust.max_spin_correction)};
 }
 
 bool Acts::receive(PeerId from, const ActUpdate& update, SharedBody& shared,
@@ -135,7 +139,7 @@ pbd::Twist Acts::take(const ActUpdate& update, SharedBody& shared, SessionTime d
   ActUpdate act = update;
   if (act.pose) {
     // Where it has got to since, in a straight line.
-    const pbd::Twist twist = act.twist.value_or(before.twist);
+    const pbd::Twist twist = within_limits(before.twist, act.twist.value_or(before.twist));
     act.pose = carried({*act.pose, twist}, seconds(taken - done)).pose;
     apply(act, shared);
     history_.restart(body.index, world_);

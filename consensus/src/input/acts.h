@@ -93,6 +93,8 @@ class Acts {
 
   /// Set pose and twist and add the impulses, within the limits. @return the change of the twist
   pbd::Twist apply(const ActUpdate& act, SharedBody& shared);
+  /// `after`, no faster than hands make anything, or than it was.
+  pbd::Twist within_limits(const pbd::Twist& before, const pbd::Twist& after) const;
   /// Carry out another peer's act of `done` that is not superseded.
   pbd::Twist take(const ActUpdate& update, SharedBody& shared, SessionTime done,
                   std::span<const Inbox::Received> newest, PeerId from);
