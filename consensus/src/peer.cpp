@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "agree/agreement.h"
@@ -159,6 +161,7 @@ Peer::~Peer() {
 
 void Peer::before_step(SessionTime now) {
   begin_step(impl_->data, impl_->sender, std::exchange(impl_->last_before, now), now);
+  impl_->data.acts.prepare(now);
   impl_->receiver.receive();
   for (const PeerId peer : impl_->receiver.wants_all()) impl_->sender.tell_again(peer);
   impl_->data.springs.prepare(now, impl_->data.step_dt);
@@ -223,6 +226,7 @@ void Peer::unshare(const SharedId& id) {
   PeerData& data = impl_->data;
   SharedBody& shared = data.bodies.at(id);
   data.springs.forget_body(shared.def.body, data.now);
+  data.acts.forget_body(shared.def.body);
   data.inbox.remove_id(id);
   data.bodies.remove(shared);
   impl_->agreement.clear();
@@ -282,6 +286,24 @@ GrabId Peer::grab(const GrabDef& def) {
 
 void Peer::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
   impl_->data.springs.move(id, anchor_w, now);
+}
+
+void Peer::act(const ActDef& def) {
+  PeerData& data = impl_->data;
+  SharedBody& shared = data.bodies.at(def.body);
+  const pbd::BodyId body = shared.def.body;
+  pbd::detail::require_body(data.world, body, "ActDef", "body");
+  if (data.world.props(body).type != pbd::BodyType::Dynamic) {
+    pbd::detail::refuse("ActDef: body", "a dynamic one", def.body.to_string());
+  }
+  const std::optional<PeerId> owned_by = owner(def.body);
+  if (owned_by.has_value() && *owned_by != data.self()) {
+    pbd::detail::refuse("ActDef: body", "nobody's or this peer's",
+                        "peer " + std::to_string(*owned_by) + "'s");
+  }
+  const CodecResult result = check(as_update(def));
+  if (!result.ok()) throw std::invalid_argument(std::string("ActDef: ") + result.detail);
+  if (!data.acts.act(def, shared, data.self(), data.now)) ++data.stats.acts_refused;
 }
 
 const PeerStats& Peer::stats() const {

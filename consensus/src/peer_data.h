@@ -7,6 +7,7 @@
 
 #include "common/ranges.h"
 #include "common/session_time.h"
+#include "input/acts.h"
 #include "input/springs.h"
 #include "members/shared_bodies.h"
 #include "receive/inbox.h"
@@ -23,6 +24,7 @@ struct PeerData {
         transport(transport_in),
         springs(world_in, options),
         history(to_ns(options_in.influence.max_age)),
+        acts(world_in, history, options),
         inbox({.max_age = options_in.influence.max_age,
                .max_future = options_in.max_future,
                .plausibility = options_in.plausibility}),
@@ -63,6 +65,7 @@ struct PeerData {
   Transport& transport;
   Springs springs;
   WorldHistory history;
+  Acts acts;
   Inbox inbox;
   SharedBodies bodies;
   std::vector<PeerReport> reports;  ///< by peer

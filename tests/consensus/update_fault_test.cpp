@@ -14,6 +14,7 @@ namespace update_fault_test {
 using namespace tandem;
 using namespace tandem::consensus;
 using tandem::consensus::testing::Dice;
+using tandem::consensus::testing::some_act;
 using tandem::consensus::testing::some_spring;
 using tandem::consensus::testing::some_state;
 
@@ -35,6 +36,14 @@ constexpr std::size_t kStateFlags = 92;
 constexpr std::size_t kSpringEvent = 8;
 constexpr std::size_t kSpringBody = 9;
 constexpr std::size_t kSpringStiffness = 97;
+constexpr std::size_t kActBody = 4;
+constexpr std::size_t kActSays = 28;
+constexpr std::size_t kActImpulse = 29;
+constexpr std::size_t kActAngular = 53;
+constexpr std::size_t kActPosition = 77;
+constexpr std::size_t kActOrientation = 101;
+constexpr std::size_t kActVelocity = 117;
+constexpr std::size_t kActStamp = 165;
 
 Bytes two_states() {
   Dice dice(11);
@@ -49,6 +58,17 @@ Bytes one_spring() {
   const SpringUpdate spring = some_spring(dice);
   Bytes bytes;
   encode(std::span(&spring, 1), bytes);
+  return bytes;
+}
+
+/// With pose and twist.
+Bytes one_act() {
+  Dice dice(16);
+  ActUpdate act = some_act(dice);
+  act.pose = pbd::Pose{dice.vec3(1e3), dice.rotation(3.0)};
+  act.twist = pbd::Twist{dice.vec3(50.0), dice.vec3(50.0)};
+  Bytes bytes;
+  encode(std::span(&act, 1), bytes);
   return bytes;
 }
 
@@ -67,11 +87,15 @@ CodecResult refused(const Bytes& bytes) {
   packet.states.resize(3);
   packet.springs.resize(3);
   packet.leaves.resize(3);
+  packet.acts.resize(3);
+  packet.receipts.resize(3);
   const CodecResult result = decode(bytes, packet);
   CHECK_FALSE(result.ok());
   CHECK(packet.states.empty());
   CHECK(packet.springs.empty());
   CHECK(packet.leaves.empty());
+  CHECK(packet.acts.empty());
+  CHECK(packet.receipts.empty());
   return result;
 }
 
@@ -86,6 +110,13 @@ CodecResult with_second(std::size_t field, T value) {
 template <class T>
 CodecResult with_spring(std::size_t field, T value) {
   Bytes bytes = one_spring();
+  put(bytes, kHeaderBytes + field, value);
+  return refused(bytes);
+}
+
+template <class T>
+CodecResult with_act(std::size_t field, T value) {
+  Bytes bytes = one_act();
   put(bytes, kHeaderBytes + field, value);
   return refused(bytes);
 }
@@ -124,7 +155,7 @@ TEST_CASE("codec: a bad header is refused by name", "[consensus][fault]") {
     }
   }
   SECTION("kind") {
-    for (const unsigned kind : {0u, 10u, 255u}) {
+    for (const unsigned kind : {0u, 12u, 255u}) {
       bytes[3] = static_cast<std::byte>(kind);
       CHECK(refused(bytes).fault == PacketFault::UnknownKind);
     }
@@ -212,6 +243,37 @@ TEST_CASE("codec: codes and ids that mean nothing are refused", "[consensus][fau
   CHECK(refused(bytes).fault == PacketFault::BadId);
 }
 
+TEST_CASE("codec: an act that cannot be is refused", "[consensus][fault]") {
+  CHECK(with_act(kActSays, std::uint8_t{4}).fault == PacketFault::BadCode);
+  CHECK(with_act(kActSays, std::uint8_t{255}).fault == PacketFault::BadCode);
+  for (const double bad : {kNan, kInf, -kInf}) {
+    for (std::size_t axis = 0; axis < 24; axis += 8) {
+      CHECK(with_act(kActImpulse + axis, bad).fault == PacketFault::NotFinite);
+      CHECK(with_act(kActAngular + axis, bad).fault == PacketFault::NotFinite);
+      CHECK(with_act(kActPosition + axis, bad).fault == PacketFault::NotFinite);
+      CHECK(with_act(kActVelocity + axis, bad).fault == PacketFault::NotFinite);
+      CHECK(with_act(kActVelocity + 24 + axis, bad).fault == PacketFault::NotFinite);
+    }
+  }
+  CHECK(with_act(kActImpulse, 1e12).fault == PacketFault::OutOfRange);
+  CHECK(with_act(kActAngular, -1e300).fault == PacketFault::OutOfRange);
+  CHECK(with_act(kActPosition, 1e7).fault == PacketFault::OutOfRange);
+  CHECK(with_act(kActOrientation, std::int32_t{0x7fffffff}).fault == PacketFault::OutOfRange);
+  CHECK(with_act(kActVelocity, 1e5).fault == PacketFault::OutOfRange);
+  CHECK(with_act(kActVelocity + 24, 1e5).fault == PacketFault::OutOfRange);
+  CHECK(with_act(kActStamp, std::numeric_limits<SessionTime>::max()).fault ==
+        PacketFault::OutOfRange);
+  Bytes bytes = one_act();
+  put(bytes, kHeaderBytes + kActBody, std::uint64_t{0});
+  put(bytes, kHeaderBytes + kActBody + 8, std::uint64_t{0});
+  CHECK(refused(bytes).fault == PacketFault::BadId);
+  const ActReceipt receipt{.actor = 3, .body = SharedId::from_name("a body"), .stamp = 5};
+  bytes.clear();
+  encode(std::span(&receipt, 1), bytes);
+  put(bytes, kHeaderBytes, std::uint64_t{0});
+  CHECK(refused(bytes).fault == PacketFault::BadId);
+}
+
 TEST_CASE("codec: a refusal says where and why", "[consensus][fault]") {
   const CodecResult result = with_second(kStateInfluence, 2.0f);
   CHECK(result.offset == kHeaderBytes + kStateBytes);
@@ -237,6 +299,10 @@ TEST_CASE("codec: whatever random and mutated bytes hold, what comes out is with
   const Bytes spring = one_spring();
   base.insert(base.end(), spring.begin(), spring.end());
   encode(Leave{1}, base);
+  const Bytes act = one_act();
+  base.insert(base.end(), act.begin(), act.end());
+  const ActReceipt receipt{.actor = 3, .body = SharedId::from_name("a body"), .stamp = 5};
+  encode(std::span(&receipt, 1), base);
 
   DecodedPacket packet;
   int accepted = 0;
@@ -281,6 +347,14 @@ TEST_CASE("codec: whatever random and mutated bytes hold, what comes out is with
       REQUIRE((s.damping >= 0.0 && s.damping < 1e12));
       REQUIRE((s.max_force >= 0.0 && s.max_force < 1e12));
     }
+    for (const ActUpdate& a : packet.acts) {
+      REQUIRE((a.impulse.norm() < 1e12 && a.angular_impulse.norm() < 1e12));
+      if (a.pose) REQUIRE(a.pose->position.norm() < 1e7);
+      if (a.pose) REQUIRE(std::abs(a.pose->orientation.norm() - 1.0) < 1e-14);
+      if (a.twist) REQUIRE((a.twist->linear.norm() < 1e5 && a.twist->angular.norm() < 1e5));
+      REQUIRE(a.body.valid());
+    }
+    for (const ActReceipt& r : packet.receipts) REQUIRE((r.actor != 0 && r.body.valid()));
   }
   // Both happen often, or the loop tests nothing.
   CHECK(accepted > 10000);

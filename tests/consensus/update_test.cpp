@@ -14,6 +14,7 @@ namespace update_test {
 using namespace tandem;
 using namespace tandem::consensus;
 using tandem::consensus::testing::Dice;
+using tandem::consensus::testing::some_act;
 using tandem::consensus::testing::some_spring;
 using tandem::consensus::testing::some_state;
 
@@ -82,6 +83,55 @@ TEST_CASE("codec: a spring survives the round trip bit for bit", "[consensus][un
     CHECK(a.damping == b.damping);
     CHECK(a.max_force == b.max_force);
     CHECK(a.stamp == b.stamp);
+  }
+}
+
+TEST_CASE("codec: an act and its receipt survive the round trip", "[consensus][unit]") {
+  Dice dice(15);
+  std::vector<ActUpdate> sent;
+  std::vector<ActReceipt> receipts;
+  for (int i = 0; i < 200; ++i) {
+    sent.push_back(some_act(dice));
+    receipts.push_back({.actor = dice.bits() | 1,
+                        .number = static_cast<std::uint32_t>(dice.bits()),
+                        .body = sent.back().body,
+                        .name = dice.bits(),
+                        .stamp = sent.back().stamp});
+  }
+  std::vector<std::byte> bytes;
+  REQUIRE(encode(sent, bytes) == sent.size());
+  CHECK(bytes.size() == kHeaderBytes + sent.size() * kActBytes);
+  REQUIRE(encode(receipts, bytes) == receipts.size());
+  CHECK(bytes.size() == 2 * kHeaderBytes + sent.size() * (kActBytes + kActReceiptBytes));
+
+  DecodedPacket packet;
+  REQUIRE(decode(bytes, packet).ok());
+  REQUIRE(packet.acts.size() == sent.size());
+  REQUIRE(packet.receipts.size() == receipts.size());
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    const ActUpdate& a = sent[i];
+    const ActUpdate& b = packet.acts[i];
+    CHECK(a.number == b.number);
+    CHECK(a.body == b.body);
+    CHECK(a.name == b.name);
+    CHECK(a.impulse == b.impulse);
+    CHECK(a.angular_impulse == b.angular_impulse);
+    REQUIRE(a.pose.has_value() == b.pose.has_value());
+    if (a.pose) {
+      CHECK(a.pose->position == b.pose->position);
+      CHECK(a.pose->orientation.angularDistance(b.pose->orientation) < 2e-9);
+    }
+    REQUIRE(a.twist.has_value() == b.twist.has_value());
+    if (a.twist) {
+      CHECK(a.twist->linear == b.twist->linear);
+      CHECK(a.twist->angular == b.twist->angular);
+    }
+    CHECK(a.stamp == b.stamp);
+    CHECK(receipts[i].actor == packet.receipts[i].actor);
+    CHECK(receipts[i].number == packet.receipts[i].number);
+    CHECK(receipts[i].body == packet.receipts[i].body);
+    CHECK(receipts[i].name == packet.receipts[i].name);
+    CHECK(receipts[i].stamp == packet.receipts[i].stamp);
   }
 }
 

@@ -39,4 +39,17 @@ inline SpringUpdate some_spring(Dice& dice) {
   return update;
 }
 
+inline ActUpdate some_act(Dice& dice) {
+  ActUpdate update;
+  update.number = static_cast<std::uint32_t>(dice.bits());
+  update.body = {dice.bits(), dice.bits() | 1};
+  update.name = dice.bits();
+  update.impulse = dice.vec3(1e3);
+  update.angular_impulse = dice.vec3(1e3);
+  if (dice.below(2) == 0) update.pose = pbd::Pose{dice.vec3(1e3), dice.rotation(3.0)};
+  if (dice.below(2) == 0) update.twist = pbd::Twist{dice.vec3(50.0), dice.vec3(50.0)};
+  update.stamp = static_cast<SessionTime>(dice.bits() >> 8);
+  return update;
+}
+
 }  // namespace tandem::consensus::testing

@@ -15,6 +15,8 @@ void run(std::span<const std::byte> input) {
   if (!ok) require(packet.states.empty() && packet.springs.empty() && packet.leaves.empty());
   for (const StateUpdate& state : packet.states) require(check(state).ok());
   for (const SpringUpdate& spring : packet.springs) require(check(spring).ok());
+  for (const ActUpdate& act : packet.acts) require(check(act).ok());
+  for (const ActReceipt& receipt : packet.receipts) require(check(receipt).ok());
   for (const Leave& leave : packet.leaves) require(check(leave).ok());
 }
 
@@ -27,7 +29,12 @@ std::vector<Bytes> seeds() {
   (void)encode(std::span<const StateUpdate>(&state, 1), states);
   Bytes both = states;
   both.insert(both.end(), leave.begin(), leave.end());
-  return {leave, states, both};
+  const ActUpdate act{.body = state.id, .pose = pbd::Pose{}, .stamp = 5};
+  const ActReceipt receipt{.actor = 1, .body = state.id, .stamp = 5};
+  Bytes acts;
+  (void)encode(std::span<const ActUpdate>(&act, 1), acts);
+  (void)encode(std::span<const ActReceipt>(&receipt, 1), acts);
+  return {leave, states, both, acts};
 }
 
 }  // namespace fuzz

@@ -4,6 +4,7 @@
 // Sessions in virtual time: no socket, no clock but where a test brings its own.
 #include "tandem/session.h"
 
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <type_traits>
@@ -18,6 +19,7 @@
 namespace session_test {
 
 using namespace tandem;
+using pbd::Twist;
 using pbd::Vec3;
 using tandem::testing::names;
 using tandem::testing::refusal;
@@ -81,6 +83,31 @@ TEST_CASE("session: two peers agree on a body that one of them drags", "[session
   }
   CHECK((near.position() - far.position()).norm() < 1e-3);
   CHECK((far.position() - hand).norm() < 1e-2);
+}
+
+TEST_CASE("session: what one of three kicks flies at all of them", "[session]") {
+  Fixture f;
+  Room rooms[3] = {Room(0.0), Room(0.0), Room(0.0)};
+  std::vector<std::unique_ptr<Session>> sessions;
+  for (int i = 0; i < 3; ++i) {
+    sessions.push_back(
+        std::make_unique<Session>(rooms[i], f.transport(static_cast<std::uint64_t>(i + 1))));
+    sessions.back()->share("cube", rooms[i].body);
+  }
+  const auto step = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      f.network.advance_to(f.network.now() + kStep);
+      for (const auto& session : sessions) session->advance(f.network.now());
+    }
+  };
+  step(120);
+  sessions[2]->act({.body = kCube, .twist = Twist{{1.0, 0.0, 0.0}, Vec3::Zero()}});
+  step(30);
+  for (const Room& room : rooms) {
+    // Half a second of damping.
+    CHECK(room.own.twist(room.body).linear.x() == Approx(0.607).margin(0.02));
+    CHECK((room.position() - rooms[2].position()).norm() < 0.02);
+  }
 }
 
 TEST_CASE("session: the same bits as its parts put together by hand", "[session][determinism]") {

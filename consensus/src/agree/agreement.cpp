@@ -37,7 +37,8 @@ void Agreement::aggregate() {
       continue;
     }
     bool guessed = false;
-    const auto newest = latecomers_.in_time(shared, data_.inbox.newest_at(i), guessed);
+    const auto in_time = latecomers_.in_time(shared, data_.inbox.newest_at(i), guessed);
+    const auto newest = data_.acts.knowing(shared.def.body, data_.inbox, in_time);
     const bool replayed = replays() && !guessed;
     estimator_.estimate(shared, newest, replayed, found_);
     for (const Stamped& owners : found_.prescribed) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/body_state.h"
 #include "common/ranges.h"
@@ -90,7 +91,12 @@ Stamped RemoteStates::compare(const SharedBody& shared, const StateUpdate& updat
   }
   missing = gap(then, there.state);
   const double age = seconds(data_.now - update.stamp);
-  const double way = missing.translation.norm() + kLeverArm * missing.rotation.norm();
+  // What has been done to it since came later here.
+  const pbd::Correction behind = data_.history.lag(shared.def.body.index, update.stamp,
+                                                   std::numeric_limits<SessionTime>::max());
+  const pbd::Vec3 far = missing.translation + behind.translation;
+  const pbd::Vec3 turned = missing.rotation + behind.rotation;
+  const double way = far.norm() + kLeverArm * turned.norm();
   there.apart = way + age * speed(missing.twist) > data_.options.replay.tolerance;
   return there;
 }

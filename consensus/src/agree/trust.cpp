@@ -56,8 +56,8 @@ void RobustOptions::validate() const {
 }
 
 bool Trust::believes_lead(SharedBody& shared, PeerId from) {
-  const bool holds =
-      data_.springs.held_by(from, shared.def.body) > 0 || data_.bodies.owns_any(from);
+  const bool holds = data_.springs.held_by(from, shared.def.body) > 0 ||
+                     data_.bodies.owns_any(from) || data_.acts.acted(from, shared.def.body);
   if (!data_.options.robust.outvote || shared.lead_claims.founded(from, holds, data_.now))
     return true;
   ++data_.report_of(from).unfounded_leads;

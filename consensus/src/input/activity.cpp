@@ -39,6 +39,7 @@ void Activity::mark_acting() {
   const pbd::World& world = data_.world;
   acting_.assign(world.slot_count(), 0);
   data_.springs.mark(acting_);
+  data_.acts.mark(kTouchedByOwn, kTouchedByOther, acting_);
   if (world.contacts() == nullptr && noted_contacts_.empty()) return;
   touching_.assign(world.slot_count(), 0);
   for (const SharedBody& shared : data_.bodies) {

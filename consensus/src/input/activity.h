@@ -18,8 +18,8 @@ namespace tandem::consensus {
 class Activity {
  public:
   // Beside Springs::Grip, what touched a body in the last step.
-  static constexpr std::uint8_t kTouchedByOwn = 8;     ///< a body that this peer owns
-  static constexpr std::uint8_t kTouchedByOther = 16;  ///< one that another peer owns
+  static constexpr std::uint8_t kTouchedByOwn = 8;     ///< a body that this peer owns, or its act
+  static constexpr std::uint8_t kTouchedByOther = 16;  ///< one that another peer owns, or its act
   static constexpr std::uint8_t kTouched = 32;         ///< any
   static constexpr std::uint8_t kJoinedToOther = 64;   ///< something that another's user acts on
 

@@ -35,9 +35,12 @@ constexpr double kLongestGap = 0.5;
 /// What a packet costs to take in, in states.
 double work_of(const DecodedPacket& packet) {
   const std::size_t light = packet.assignments.size() + packet.indices_wanted.size() +
-                            packet.alive.size() + packet.leaves.size() + packet.ownership.size();
+                            packet.alive.size() + packet.leaves.size() + packet.ownership.size() +
+                            packet.receipts.size();
   const std::size_t springs = packet.springs.size() + packet.anchors.size();
-  return 1.0 + static_cast<double>(packet.states.size() + packet.compact.size() + springs) +
+  return 1.0 +
+         static_cast<double>(packet.states.size() + packet.compact.size() + springs +
+                             packet.acts.size()) +
          0.25 * static_cast<double>(light);
 }
 
@@ -165,6 +168,7 @@ void Receiver::keep_allowed(PeerId from, Role role) {
   if (role == Role::Watch) {
     deny(incoming_.springs);
     deny(incoming_.anchors);
+    deny(incoming_.acts);
   }
   if (denied > 0) data_.report_of(from).not_allowed += denied;
 }
@@ -184,6 +188,7 @@ Receiver::Met& Receiver::meet(PeerId from) {
     at = met_.insert(at, {.peer = from, .since = data_.now});
     at->budget =
         pbd::TokenBucket(0.0, std::numeric_limits<double>::max());  // filled by set_budget()
+    at->acts = pbd::TokenBucket(Acts::kPerSecond, Acts::kAtOnce);
   }
   set_budget(at->budget);
   at->last = data_.now;
@@ -218,6 +223,7 @@ void Receiver::take_in(Met& sender) {
   }
   if (!unheard) take_in_compact(from, farewell);
   take_in_springs(from);
+  take_in_acts(sender);
   for (const OwnershipUpdate& update : incoming_.ownership) ownership_.push_back({from, update});
   if (!incoming_.leaves.empty()) {
     part_from(from);
@@ -242,6 +248,29 @@ void Receiver::take_in_springs(PeerId from) {
     update.anchor_velocity = anchor.anchor_velocity;
     update.stamp = anchor.stamp;
     take_in_spring(from, update);
+  }
+}
+
+void Receiver::take_in_acts(Met& sender) {
+  const PeerId from = sender.peer;
+  for (const ActUpdate& update : incoming_.acts) {
+    SharedBody* const shared = data_.bodies.find(update.body);
+    // What an owner does is in its states, and nobody else acts on its bodies.
+    const bool may = shared != nullptr && data_.world.contains(shared->def.body) &&
+                     data_.world.props(shared->def.body).type == pbd::BodyType::Dynamic &&
+                     !shared->def.owner.has_value() &&
+                     (!data_.changes_hands(*shared) || shared->tenure.owner == 0);
+    if (may && data_.acts.receive(from, update, *shared,
+                                  data_.inbox.newest_at(data_.bodies.index_of(*shared)),
+                                  data_.confidence() >= 1.0, sender.acts, data_.now)) {
+      continue;
+    }
+    ++data_.report_of(from).acts_refused;
+    ++data_.stats.acts_refused;
+  }
+  for (const ActReceipt& receipt : incoming_.receipts) {
+    const pbd::BodyId body = instance_of(receipt.body);
+    if (body.valid()) data_.acts.receive(from, receipt, body);
   }
 }
 

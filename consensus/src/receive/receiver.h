@@ -41,6 +41,7 @@ class Receiver {
     SessionTime since = 0;  ///< ns, when it was heard first,
     SessionTime last = 0;   ///< and when last
     pbd::TokenBucket budget;
+    pbd::TokenBucket acts;         ///< as Acts has it
     int astray = 0;                ///< packets in a row with stamps of another time
     SessionTime astray_since = 0;  ///< ns
     /// Stamp of its farewell; the beginning of time where it has not left.
@@ -75,6 +76,8 @@ class Receiver {
   void take_in_compact(PeerId from, SessionTime farewell);
   /// Springs as they are told in full, and anchors of known ones.
   void take_in_springs(PeerId from);
+  /// Others' acts, and who has which.
+  void take_in_acts(Met& sender);
   void take_in_spring(PeerId from, const SpringUpdate& update);
   /// Invalid where the body is not shared here, or gone.
   pbd::BodyId instance_of(const SharedId& id) const;

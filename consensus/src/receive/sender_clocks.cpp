@@ -45,6 +45,8 @@ void other_stamps(Packet& packet, const Look& look) {
   for (auto& leave : packet.leaves) look(leave.stamp);
   for (auto& ownership : packet.ownership) look(ownership.stamp);
   for (auto& anchor : packet.anchors) look(anchor.stamp);
+  for (auto& act : packet.acts) look(act.stamp);
+  for (auto& receipt : packet.receipts) look(receipt.stamp);
 }
 
 }  // namespace

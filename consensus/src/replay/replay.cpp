@@ -39,6 +39,9 @@ pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
   pbd::Correction apart = gap(then, news.state);
   apart.translation += dt * apart.twist.linear;
   apart.rotation += dt * apart.twist.angular;
+  const pbd::Correction behind = history.lag(news.slot, news.stamp, time);
+  apart.translation += behind.translation;
+  apart.rotation += behind.rotation;
   return moved(own, apart);
 }
 
@@ -95,17 +98,19 @@ PeerId Replay::update(ReplayStats& stats) {
     drop();
     return oldest_;
   }
+  first_ = reached_;
   for (; reached_ < history_.last(); ++reached_) {
     if (step_from(reached_, stats)) continue;
     drop();
     return 0;
   }
+  take_late(reached_);
   if (schedule_.is_fresh()) blend(reached_);
   for (std::uint32_t slot = 0; slot < slots_.size(); ++slot) {
     // Another body may have taken the place since it was begun.
     slots_[slot].covered = slots_[slot].covered && is_here(slot);
     if (!slots_[slot].covered) continue;
-    slots_[slot].gap = gap(history_.newest(slot), copy_.world().states()[slot]);
+    slots_[slot].gap = gap(history_.present(slot), copy_.world().states()[slot]);
   }
   return 0;
 }
@@ -198,6 +203,7 @@ bool Replay::start() {
 }
 
 bool Replay::step_from(std::size_t frame, ReplayStats& stats) {
+  take_late(frame);
   blend(frame);
   apply_inputs(frame);
   const SessionTime time = history_.frame(frame).time;
@@ -208,6 +214,27 @@ bool Replay::step_from(std::size_t frame, ReplayStats& stats) {
   ++stats.steps;
   stats.body_steps += static_cast<std::uint64_t>(report.awake);
   return report.status == pbd::StepStatus::Ok;
+}
+
+void Replay::take_late(std::size_t frame) {
+  const std::vector<WorldHistory::Late>& all = history_.late();
+  if (all.empty()) return;
+  const SessionTime time = history_.frame(frame).time;
+  const bool begins = frame == first_;
+  const SessionTime before = begins ? 0 : history_.frame(frame - 1).time;
+  // A world that was copied then has not what was taken since; one that is stepped along has not
+  // what has only just been.
+  const SessionTime lacks = schedule_.is_fresh() ? time : history_.frame(history_.last()).time;
+  for (const WorldHistory::Late& late : all) {
+    const bool due = begins ? late.taken >= lacks : late.done > before;
+    if (due && late.done < time) push(late, time);
+  }
+}
+
+void Replay::push(const WorldHistory::Late& late, SessionTime time) {
+  if (!is_here(late.slot)) return;
+  const pbd::BodyState state = copy_.world().states()[late.slot];
+  copy_.set_state(late.slot, late.added_to(state, time), true);
 }
 
 void Replay::blend(std::size_t frame) {
@@ -250,6 +277,9 @@ void Replay::apply_inputs(std::size_t number) {
     state.twist.linear += pushed.twist.linear;
     state.twist.angular += pushed.twist.angular;
     copy_.set_state(pushed.slot, state, true);
+  }
+  for (const WorldHistory::Late& late : history_.late()) {
+    if (late.done == frame.time) push(late, frame.time);
   }
   for (const Prescribed& body : prescribed_) {
     if (!body.from.has_value()) {

@@ -43,6 +43,7 @@ void WorldHistory::notice(const pbd::World& world) {
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
     const std::uint32_t generation = world.body_at(slot).generation;
     if (slot < known && generation == generations_[slot]) continue;
+    if (slot < known) std::erase_if(late_, [slot](const Late& l) { return l.slot == slot; });
     generations_[slot] = generation;
     since_[slot] = frame.time;
     frame.states[slot] = world.states()[slot];
@@ -64,6 +65,9 @@ void WorldHistory::add(SessionTime time, const pbd::World& world) {
   frame.pushed.clear();
   frame.pulls.clear();
   agreed_.clear();
+  acted_.clear();
+  noted_ = false;
+  std::erase_if(late_, [&](const Late& late) { return late.taken < time - longest_; });
   notice(world);
 }
 
@@ -71,8 +75,39 @@ void WorldHistory::note_agreement(std::uint32_t slot, const pbd::World& world) {
   agreed_.push_back({slot, world.states()[slot]});
 }
 
+pbd::BodyState WorldHistory::Late::added_to(const pbd::BodyState& state, SessionTime time) const {
+  const bool follows = time > followed;
+  const pbd::Twist& change = follows ? now : twist;
+  // What agreement has moved since is in the pose.
+  const double since = follows ? 0.0 : seconds(time - done);
+  return {carried({state.pose, change}, since).pose,
+          {state.twist.linear + change.linear, state.twist.angular + change.angular}};
+}
+
+void WorldHistory::note_late(const Late& late) {
+  if (!knows(late.slot)) return;
+  late_.push_back(late);
+  const auto acted = ranges::find(acted_, late.slot, &Push::slot);
+  pbd::Twist& sum =
+      (acted != acted_.end() ? *acted : acted_.emplace_back(Push{.slot = late.slot})).twist;
+  sum.linear += late.now.linear;
+  sum.angular += late.now.angular;
+}
+
+void WorldHistory::note_own(std::uint32_t slot, const pbd::BodyState& state,
+                            const pbd::Twist& change, bool placed) {
+  if (!noted_ || !knows(slot)) return;
+  if (placed) {
+    newest_frame().placed.push_back({slot, state});
+  } else {
+    newest_frame().pushed.push_back({slot, change});
+  }
+}
+
 void WorldHistory::restart(std::uint32_t slot, const pbd::World& world) {
   if (!knows(slot)) return;
+  std::erase_if(late_, [slot](const Late& late) { return late.slot == slot; });
+  std::erase_if(acted_, [slot](const Push& push) { return push.slot == slot; });
   since_[slot] = frame(last()).time;
   newest_frame().states[slot] = world.states()[slot];
 }
@@ -80,6 +115,7 @@ void WorldHistory::restart(std::uint32_t slot, const pbd::World& world) {
 void WorldHistory::note_inputs(const pbd::World& world) {
   if (count_ == 0) return;
   notice(world);
+  noted_ = true;
   Frame& frame = newest_frame();
   frame.gravity = world.gravity();
   frame.forces.clear();
@@ -92,10 +128,20 @@ void WorldHistory::note_inputs(const pbd::World& world) {
     }
   }
   ranges::sort(agreed_, &State::slot);
+  ranges::sort(acted_, &Push::slot);
   auto agreed = agreed_.begin();
+  auto acted = acted_.begin();
   const std::span<const pbd::BodyState> states = world.states();
   for (std::uint32_t slot = 0; slot < states.size(); ++slot) {
     const pbd::BodyState* expected = &frame.states[slot];
+    pbd::BodyState with_acts;
+    while (acted != acted_.end() && acted->slot < slot) ++acted;
+    if (acted != acted_.end() && acted->slot == slot) {
+      with_acts = *expected;
+      with_acts.twist.linear += acted->twist.linear;
+      with_acts.twist.angular += acted->twist.angular;
+      expected = &with_acts;
+    }
     for (; agreed != agreed_.end() && agreed->slot <= slot; ++agreed) {
       if (agreed->slot == slot) expected = &agreed->state;
     }
@@ -140,12 +186,42 @@ SessionTime WorldHistory::since(std::uint32_t slot) const {
   return std::max(since_[slot], frame(first()).time);
 }
 
+pbd::BodyState WorldHistory::with_late(std::uint32_t slot, SessionTime time,
+                                       pbd::BodyState state) const {
+  for (const Late& late : late_) {
+    if (late.slot != slot || time <= late.done || time > late.taken) continue;
+    state = late.added_to(state, time);
+  }
+  return state;
+}
+
+pbd::BodyState WorldHistory::present(std::uint32_t slot) const {
+  pbd::BodyState state = newest(slot);
+  const SessionTime time = frame(last()).time;
+  for (const Late& late : late_) {
+    if (late.slot != slot || late.taken != time || late.done == time) continue;
+    state.twist.linear += late.now.linear;
+    state.twist.angular += late.now.angular;
+  }
+  return state;
+}
+
+pbd::Correction WorldHistory::lag(std::uint32_t slot, SessionTime first, SessionTime end) const {
+  pbd::Correction behind{};
+  for (const Late& late : late_) {
+    if (late.slot != slot || late.taken < first || late.taken >= end) continue;
+    behind.translation += late.behind.translation;
+    behind.rotation += late.behind.rotation;
+  }
+  return behind;
+}
+
 pbd::BodyState WorldHistory::state_at(std::uint32_t slot, SessionTime time) const {
   const SessionTime known = std::max(time, since(slot));
   const std::size_t n = at_or_before(known);
   const Frame& before = frame(n);
   const pbd::BodyState& a = before.states[slot];
-  if (n == last() || known <= before.time) return a;
+  if (n == last() || known <= before.time) return with_late(slot, known, a);
   const Frame& after = frame(n + 1);
   const pbd::BodyState& b = after.states[slot];
   const double dt = seconds(after.time - before.time);
@@ -159,7 +235,7 @@ pbd::BodyState WorldHistory::state_at(std::uint32_t slot, SessionTime time) cons
       a.pose.orientation, f * pbd::rotation_between(a.pose.orientation, b.pose.orientation));
   state.twist.linear = a.twist.linear + f * (b.twist.linear - a.twist.linear);
   state.twist.angular = a.twist.angular + f * (b.twist.angular - a.twist.angular);
-  return state;
+  return with_late(slot, known, state);
 }
 
 pbd::BodyState WorldHistory::state_beside(std::uint32_t slot, SessionTime time,
@@ -172,7 +248,8 @@ pbd::BodyState WorldHistory::state_beside(std::uint32_t slot, SessionTime time,
   const double off_b = speed(difference(b.twist, other));
   if (!(speed(difference(b.twist, a.twist)) > kHit)) return state_at(slot, time);
   const bool first = off_a < off_b;
-  return carried(first ? a : b, seconds(time - frame(first ? n : n + 1).time));
+  return with_late(slot, time,
+                   carried(first ? a : b, seconds(time - frame(first ? n : n + 1).time)));
 }
 
 MotionSample OwnMotion::newest() const {

@@ -9,6 +9,7 @@
 #include "input/hand_track.h"
 #include "tandem/consensus/predictor.h"
 #include "tandem/consensus/transport.h"
+#include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/tether.h"
 #include "tandem/pbd/world.h"
 
@@ -36,6 +37,20 @@ class WorldHistory {
     std::uint32_t slot = 0;
     pbd::Twist twist;  ///< change of the twist
   };
+  /// What somebody else did to a body, and is known only since: states of the frames in between
+  /// are as they were sent, without it.
+  struct Late {
+    std::uint32_t slot = 0;
+    pbd::Twist twist;             ///< change of the twist that the past lacks
+    pbd::Twist now;               ///< and that was made when it was taken: less, if it was followed
+    SessionTime done = 0;         ///< ns
+    SessionTime followed = 0;     ///< ns: later frames have seen the body follow who had it
+    SessionTime taken = 0;        ///< ns, time of the last frame then
+    pbd::Correction behind = {};  ///< what its pose had fallen behind by then
+
+    /// `state` of that body at `time` with what it lacks.
+    pbd::BodyState added_to(const pbd::BodyState& state, SessionTime time) const;
+  };
   struct Frame {
     SessionTime time = 0;                ///< ns
     std::vector<pbd::BodyState> states;  ///< by slot, at `time`, as they were sent
@@ -61,7 +76,16 @@ class WorldHistory {
   void note_agreement(std::uint32_t slot, const pbd::World& world);
   /// The body was put where others have it: what it did before is not to be compared with them.
   void restart(std::uint32_t slot, const pbd::World& world);
-  void clear() { count_ = 0; }
+  /// What was done to a body before has just been done to it here: nobody's input, but states of
+  /// the past are compared with others' as if it had been known. @pre late.done <= late.taken
+  void note_late(const Late& late);
+  /// The application has just done that by an act. Where the step was begun, and its inputs noted,
+  /// it counts as one of them.
+  void note_own(std::uint32_t slot, const pbd::BodyState& state, const pbd::Twist& change,
+                bool placed);
+  /// In the order in which they came.
+  const std::vector<Late>& late() const { return late_; }
+  void clear() { count_ = 0, late_.clear(), noted_ = false; }
 
   bool empty() const { return count_ == 0; }
   // Frames have numbers that grow.
@@ -80,6 +104,11 @@ class WorldHistory {
   /// is on the side of the hit that moves like that.
   pbd::BodyState state_beside(std::uint32_t slot, SessionTime time, const pbd::Twist& other) const;
   const pbd::BodyState& newest(std::uint32_t slot) const { return frame(last()).states[slot]; }
+  /// The same with the twists that were changed since by what came late.
+  pbd::BodyState present(std::uint32_t slot) const;
+  /// How far the body has fallen behind, since some of what was done to it came late: what was
+  /// taken from `first` on and before `end`.
+  pbd::Correction lag(std::uint32_t slot, SessionTime first, SessionTime end) const;
   /// ns, since when this body is known.
   SessionTime since(std::uint32_t slot) const;
   /// Whether the application has put the body somewhere in a step that began then or later.
@@ -89,6 +118,8 @@ class WorldHistory {
  private:
   Frame& newest_frame() { return frames_[(end_ - 1) % frames_.size()]; }
   void grow();
+  /// `state` of a body at `time` with what was done before, and taken later.
+  pbd::BodyState with_late(std::uint32_t slot, SessionTime time, pbd::BodyState state) const;
 
   SessionTime longest_;
   std::vector<Frame> frames_;
@@ -96,7 +127,10 @@ class WorldHistory {
   std::size_t count_ = 0;
   std::vector<SessionTime> since_;          ///< ns, by slot
   std::vector<std::uint32_t> generations_;  ///< by slot
+  bool noted_ = false;                      ///< the inputs of the step from the last frame on
   std::vector<State> agreed_;
+  std::vector<Late> late_;   ///< by `taken`
+  std::vector<Push> acted_;  ///< of late_, since the last frame; one of each slot
 };
 
 /// The own motion of one body, for predictors.

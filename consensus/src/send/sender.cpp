@@ -45,6 +45,9 @@ void Sender::send() {
   spring_states_.clear();
   spring_events_.clear();
   data_.springs.announce(now, spring_states_, spring_events_);
+  acts_.clear();
+  receipts_.clear();
+  data_.acts.announce(acts_, receipts_);
   if (outbox_ != nullptr) {
     send_selected();
   } else {
@@ -65,7 +68,11 @@ double Sender::post_springs() {
   const double overhead = Outbox::kPacketOverhead;
   const double events =
       connections_.post_records(Connections::kToAll, std::span<const SpringUpdate>(spring_events_),
-                                kSpringBytes, Delivery::Reliable, overhead);
+                                kSpringBytes, Delivery::Reliable, overhead) +
+      connections_.post_records(Connections::kToAll, std::span<const ActUpdate>(acts_), kActBytes,
+                                Delivery::Reliable, overhead) +
+      connections_.post_records(Connections::kToAll, std::span<const ActReceipt>(receipts_),
+                                kActReceiptBytes, Delivery::Reliable, overhead);
   return events + connections_.post_records(Connections::kToAll,
                                             std::span<const SpringUpdate>(spring_states_),
                                             kSpringBytes, Delivery::Newest, overhead);

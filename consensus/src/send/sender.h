@@ -46,7 +46,7 @@ class Sender {
   void collect_selectable();
   /// The anchors of spring_states_ into anchors_. What is left there is to be told in full.
   void encode_own_anchors();
-  /// Springs as they are, and events. @return bytes, with headers
+  /// Springs as they are, events, and acts. @return bytes, with headers
   double post_springs();
   void renew_indices(std::size_t most);
 
@@ -64,6 +64,8 @@ class Sender {
   std::vector<SpringUpdate> spring_states_;
   std::vector<SpringUpdate> spring_events_;
   std::vector<SpringUpdate> told_in_full_;
+  std::vector<ActUpdate> acts_;
+  std::vector<ActReceipt> receipts_;
   AnchorMessages anchors_;
   std::vector<OutgoingState> selectable_;
 };

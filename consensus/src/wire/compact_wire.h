@@ -23,7 +23,9 @@ enum class MessageKind : std::uint8_t {
   Indices = 6,
   IndicesWanted = 7,
   Alive = 8,
-  Anchors = 9
+  Anchors = 9,
+  Acts = 10,
+  ActReceipts = 11
 };
 
 inline constexpr std::size_t kIndicesWantedBytes = 4;

@@ -119,6 +119,73 @@ CodecResult read(ByteReader& in, OwnershipUpdate& update) {
   return check(update);
 }
 
+// What is not said is zeros, so that all records are of one length.
+constexpr std::uint8_t kSaysPose = 1;
+constexpr std::uint8_t kSaysTwist = 2;
+
+void write(ByteWriter& out, const ActUpdate& act) {
+  out.u32(act.number);
+  write_id(out, act.body);
+  out.u64(act.name);
+  const unsigned says = (act.pose ? kSaysPose : 0U) | (act.twist ? kSaysTwist : 0U);
+  out.u8(static_cast<std::uint8_t>(says));
+  out.vec3(act.impulse);
+  out.vec3(act.angular_impulse);
+  const pbd::Pose pose = act.pose.value_or(pbd::Pose{});
+  out.vec3(pose.position);
+  const Quat& q = pose.orientation;
+  for (const double component : {q.w(), q.x(), q.y(), q.z()}) {
+    out.u32(static_cast<std::uint32_t>(act.pose ? to_fixed(component) : 0));
+  }
+  const pbd::Twist twist = act.twist.value_or(pbd::Twist{});
+  out.vec3(twist.linear);
+  out.vec3(twist.angular);
+  out.i64(act.stamp);
+}
+
+CodecResult read(ByteReader& in, ActUpdate& act) {
+  act.number = in.u32();
+  act.body = read_id(in);
+  act.name = in.u64();
+  const std::uint8_t says = in.u8();
+  if ((says & ~(kSaysPose | kSaysTwist)) != 0) {
+    return fault(PacketFault::BadCode, "act: bits of what it says must be below 4");
+  }
+  act.impulse = in.vec3();
+  act.angular_impulse = in.vec3();
+  pbd::Pose pose;
+  pose.position = in.vec3();
+  pose.orientation.w() = read_fixed(in);
+  pose.orientation.x() = read_fixed(in);
+  pose.orientation.y() = read_fixed(in);
+  pose.orientation.z() = read_fixed(in);
+  const Vec3 linear = in.vec3();
+  const Vec3 angular = in.vec3();
+  if ((says & kSaysPose) != 0) act.pose = pose;
+  if ((says & kSaysTwist) != 0) act.twist = pbd::Twist{linear, angular};
+  act.stamp = in.i64();
+  const CodecResult result = check(act);
+  if (result.ok() && act.pose) act.pose->orientation.normalize();
+  return result;
+}
+
+void write(ByteWriter& out, const ActReceipt& receipt) {
+  out.u64(receipt.actor);
+  out.u32(receipt.number);
+  write_id(out, receipt.body);
+  out.u64(receipt.name);
+  out.i64(receipt.stamp);
+}
+
+CodecResult read(ByteReader& in, ActReceipt& receipt) {
+  receipt.actor = in.u64();
+  receipt.number = in.u32();
+  receipt.body = read_id(in);
+  receipt.name = in.u64();
+  receipt.stamp = in.i64();
+  return check(receipt);
+}
+
 CodecResult read(ByteReader& in, IndicesWanted& wanted) {
   wanted.table = in.u32();
   return {};
@@ -200,8 +267,12 @@ CodecResult decode_message(ByteReader& in, std::size_t packet_bytes, DecodedPack
       return decode_records(in, count, kIndicesWantedBytes, packet_bytes, out.indices_wanted);
     case MessageKind::Alive:
       return decode_records(in, count, kAliveBytes, packet_bytes, out.alive);
+    case MessageKind::Acts:
+      return decode_records(in, count, kActBytes, packet_bytes, out.acts);
+    case MessageKind::ActReceipts:
+      return decode_records(in, count, kActReceiptBytes, packet_bytes, out.receipts);
   }
-  return fault(PacketFault::UnknownKind, "kind: must be 1 to 9");
+  return fault(PacketFault::UnknownKind, "kind: must be 1 to 11");
 }
 
 }  // namespace
@@ -216,6 +287,8 @@ void DecodedPacket::clear() {
   indices_wanted.clear();
   alive.clear();
   anchors.clear();
+  acts.clear();
+  receipts.clear();
 }
 
 std::string CodecResult::reason() const {
@@ -250,6 +323,14 @@ std::size_t encode(const Leave& leave, std::vector<std::byte>& out) {
 
 std::size_t encode(std::span<const OwnershipUpdate> updates, std::vector<std::byte>& out) {
   return encode_all(updates, MessageKind::Ownership, out);
+}
+
+std::size_t encode(std::span<const ActUpdate> acts, std::vector<std::byte>& out) {
+  return encode_all(acts, MessageKind::Acts, out);
+}
+
+std::size_t encode(std::span<const ActReceipt> receipts, std::vector<std::byte>& out) {
+  return encode_all(receipts, MessageKind::ActReceipts, out);
 }
 
 CodecResult decode(std::span<const std::byte> packet, DecodedPacket& out) {

@@ -144,4 +144,38 @@ CodecResult check(const OwnershipUpdate& update) {
   return check_stamp(update.stamp);
 }
 
+CodecResult check(const ActUpdate& act) {
+  CodecResult result = check_id(act.body);
+  if (!result.ok()) return result;
+  result = check_norm(act.impulse, kMaxImpulse, "impulse: must be finite",
+                      "impulse: norm must be below 1e12 N s");
+  if (!result.ok()) return result;
+  result = check_norm(act.angular_impulse, kMaxImpulse, "angular impulse: must be finite",
+                      "angular impulse: norm must be below 1e12 N m s");
+  if (!result.ok()) return result;
+  if (act.pose) {
+    result = check_norm(act.pose->position, kMaxPosition, "position: must be finite",
+                        "position: norm must be below 1e7 m");
+    if (!result.ok()) return result;
+    result = check_orientation(act.pose->orientation);
+    if (!result.ok()) return result;
+  }
+  if (act.twist) {
+    result = check_norm(act.twist->linear, kMaxLinearSpeed, "velocity: must be finite",
+                        "velocity: norm must be below 1e5 m/s");
+    if (!result.ok()) return result;
+    result = check_norm(act.twist->angular, kMaxAngularSpeed, "angular velocity: must be finite",
+                        "angular velocity: norm must be below 1e5 rad/s");
+    if (!result.ok()) return result;
+  }
+  return check_stamp(act.stamp);
+}
+
+CodecResult check(const ActReceipt& receipt) {
+  const CodecResult result = check_id(receipt.body);
+  if (!result.ok()) return result;
+  if (receipt.actor == 0) return fault(PacketFault::BadId, "receipt: actor must not be 0");
+  return check_stamp(receipt.stamp);
+}
+
 }  // namespace tandem::consensus

@@ -185,6 +185,8 @@ void Session::release(GrabId grab) {
   }
 }
 
+void Session::act(const ActDef& def) { impl_->peer.act(def); }
+
 SessionTime Session::now() { return impl_->clock(); }
 
 Progress Session::advance(SessionTime now, const BeforeStep& before_step) {

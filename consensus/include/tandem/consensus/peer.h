@@ -160,6 +160,19 @@ struct TANDEM_API GrabId {
   friend bool operator==(const GrabId&, const GrabId&) = default;
 };
 
+/// What an application does to a shared body at once: pose and twist are set first, then the
+/// impulses are added.
+struct TANDEM_API ActDef {
+  SharedId body = {};
+  pbd::Vec3 impulse = pbd::Vec3::Zero();          ///< N s, world, at the centre of mass
+  pbd::Vec3 angular_impulse = pbd::Vec3::Zero();  ///< N m s, world
+  std::optional<pbd::Pose> pose = {};             ///< of the centre of mass, world
+  std::optional<pbd::Twist> twist = {};           ///< world
+  /// Of what all peers do by themselves, as a script's blast: acts on a body under one name are
+  /// one act within a second, whoever does them. 0 = only this peer does it.
+  std::uint64_t name = 0;
+};
+
 /// What went to one of the others.
 struct TANDEM_API LinkStats {
   PeerId to = 0;
@@ -181,6 +194,7 @@ struct TANDEM_API PeerStats {
   std::uint64_t unknown_ids = 0;
   std::uint64_t unknown_indices = 0;  ///< compact states whose names have not come; dropped
   std::uint64_t springs_refused = 0;  ///< unknown body, or too many
+  std::uint64_t acts_refused = 0;     ///< unknown or owned body, too old, or too many; own ones too
   std::uint64_t bytes_sent = 0;
   InboxCounters inbox;
   ReplayStats replay;
@@ -283,6 +297,16 @@ class TANDEM_API Peer final : public pbd::TargetSource {
   bool holds(GrabId id) const;
   /// Whether any user's spring, own or remote, holds the body.
   bool held(const SharedId& id) const;
+
+  /// Do something to a shared body at once, here and, as of the same session time, at all others:
+  /// a kick, a blast, a respawn. To be called between steps. What all peers do alike in each step,
+  /// as wind, is no act: World has it. As hands do, acts make a body no faster than
+  /// RobustOptions::max_pull_speed, or than it is, and it spins with no more than
+  /// max_spin_correction; the others take 256 of one peer a second and 512 at once, of those with a
+  /// pose a quarter. What is more is done here alone (PeerStats::acts_refused).
+  /// @throws std::invalid_argument naming field, value and rule; also where the body is not shared,
+  ///   not dynamic, or another peer's
+  void act(const ActDef& def);
 
   /// What all users hold, own and remote; one for each spring, appended.
   void held_bodies(std::vector<HeldBody>& out) const;

@@ -26,8 +26,8 @@ struct TANDEM_API RobustOptions {
 
   /// Of one other peer. How strong users' springs may be is the same for all, docs/protocol.md.
   int max_springs_per_body = 16;
-  /// m/s: users' springs, own ones too, make a body no faster than this towards the hand; all peers
-  /// of a session need the same. Infinity = no limit.
+  /// m/s: users' springs, own ones too, make a body no faster than this towards the hand, and acts
+  /// at all; all peers of a session need the same. Infinity = no limit.
   double max_pull_speed = 10.0;
   /// m: others' hands that are further from what they hold are let go: who is not near holds
   /// nothing.
@@ -67,6 +67,7 @@ struct TANDEM_API PeerReport {
   std::uint64_t unfounded_leads = 0;  ///< steps times bodies: says it leads, and holds nothing
   std::uint64_t springs_limited = 0;  ///< messages whose strength or speed was cut
   std::uint64_t springs_refused = 0;  ///< messages: too many, too far, unknown body
+  std::uint64_t acts_refused = 0;     ///< too many, too old, unknown or owned body
   std::uint64_t over_budget = 0;      ///< packets that were not looked at: it had sent too much
   std::uint64_t not_allowed = 0;      ///< states, springs and the like that its role forbids
 };

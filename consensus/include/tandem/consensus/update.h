@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -111,6 +112,29 @@ struct TANDEM_API Alive {
   SessionTime stamp = 0;  ///< ns
 };
 
+/// What the sender's application has done to a shared body at once, see Peer::act(). First pose and
+/// twist are set, then the impulses are added. On the wire numbers are 64-bit floats, the
+/// orientation is as in a StateUpdate.
+struct TANDEM_API ActUpdate {
+  std::uint32_t number = 0;  ///< of the sender's acts
+  SharedId body = {};
+  std::uint64_t name = 0;                         ///< see ActDef::name
+  pbd::Vec3 impulse = pbd::Vec3::Zero();          ///< N s, world, at the centre of mass
+  pbd::Vec3 angular_impulse = pbd::Vec3::Zero();  ///< N m s, world
+  std::optional<pbd::Pose> pose = {};             ///< of the centre of mass, world, at the stamp
+  std::optional<pbd::Twist> twist = {};           ///< world, at the stamp
+  SessionTime stamp = 0;                          ///< ns
+};
+
+/// The sender has done somebody's act at the stamp: its later states have it.
+struct TANDEM_API ActReceipt {
+  PeerId actor = 0;
+  std::uint32_t number = 0;  ///< of the actor's acts
+  SharedId body = {};
+  std::uint64_t name = 0;  ///< of the act; where it is not 0 actor and number say nothing
+  SessionTime stamp = 0;   ///< ns
+};
+
 /// Everything that one packet said. Reuse it: decode() keeps the capacities.
 struct TANDEM_API DecodedPacket {
   std::vector<StateUpdate> states;
@@ -122,6 +146,8 @@ struct TANDEM_API DecodedPacket {
   std::vector<IndicesWanted> indices_wanted;
   std::vector<Alive> alive;
   std::vector<AnchorUpdate> anchors;
+  std::vector<ActUpdate> acts;
+  std::vector<ActReceipt> receipts;
 
   void clear();
 };
@@ -159,6 +185,8 @@ inline constexpr std::size_t kStateBytes = 93;
 inline constexpr std::size_t kSpringBytes = 129;
 inline constexpr std::size_t kLeaveBytes = 8;
 inline constexpr std::size_t kOwnershipBytes = 33;
+inline constexpr std::size_t kActBytes = 173;
+inline constexpr std::size_t kActReceiptBytes = 44;
 /// Records of so many bytes each that fit into a message of a packet that holds nothing else; one
 /// at least, however short the packet.
 constexpr std::size_t records_in(std::size_t packet_bytes, std::size_t record_bytes) {
@@ -173,6 +201,7 @@ inline constexpr double kMaxPosition = 1e7;          ///< m, norm, exclusive
 inline constexpr double kMaxLinearSpeed = 1e5;       ///< m/s, norm, exclusive, in 32 bits
 inline constexpr double kMaxAngularSpeed = 1e5;      ///< rad/s, norm, exclusive, in 32 bits
 inline constexpr double kMaxSpringParameter = 1e12;  ///< N/m, N s/m, N; exclusive
+inline constexpr double kMaxImpulse = 1e12;          ///< N s, N m s; norm, exclusive
 /// ns: differences of two stamps within it do not overflow. About 146 years.
 inline constexpr SessionTime kMaxStamp = SessionTime{1} << 62;
 
@@ -182,6 +211,8 @@ TANDEM_API CodecResult check(const SpringUpdate& update);
 TANDEM_API CodecResult check(const Leave& leave);
 TANDEM_API CodecResult check(const OwnershipUpdate& update);
 TANDEM_API CodecResult check(const Alive& alive);
+TANDEM_API CodecResult check(const ActUpdate& act);
+TANDEM_API CodecResult check(const ActReceipt& receipt);
 
 /// Append a message with these records to a packet (several messages above kMaxRecords records).
 /// Records that check() refuses are left out: one broken body must not make peers refuse the
@@ -192,6 +223,8 @@ TANDEM_API std::size_t encode(std::span<const SpringUpdate> updates, std::vector
 TANDEM_API std::size_t encode(const Leave& leave, std::vector<std::byte>& out);
 TANDEM_API std::size_t encode(std::span<const OwnershipUpdate> updates,
                               std::vector<std::byte>& out);
+TANDEM_API std::size_t encode(std::span<const ActUpdate> acts, std::vector<std::byte>& out);
+TANDEM_API std::size_t encode(std::span<const ActReceipt> receipts, std::vector<std::byte>& out);
 
 /// Read a whole packet, one or more messages back to back. All or nothing: with a fault `out` is
 /// empty. Orientations come out normalised. Never throws on account of the bytes; no allocation

@@ -19,6 +19,7 @@
 
 namespace tandem {
 
+using consensus::ActDef;
 using consensus::GrabDef;
 using consensus::GrabId;
 using consensus::PeerId;
@@ -159,6 +160,10 @@ class TANDEM_API Session {
   bool move(GrabId grab, const pbd::Vec3& anchor_w);
   /// Let go, if it still holds.
   void release(GrabId grab);
+
+  /// Kick, blast or put somewhere a shared body, here and at all members. @throws as
+  /// consensus::Peer::act
+  void act(const ActDef& def);
 
   /// Session time, ns.
   SessionTime now();
