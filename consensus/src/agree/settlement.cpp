@@ -23,19 +23,10 @@ constexpr SessionTime kInterval = 100'000'000;
 constexpr SessionTime kPatience = 1'000'000'000;
 /// ns: so long whoever is elected has to fall asleep, before its copy is taken over as it is.
 constexpr SessionTime kSleepPatience = 2'000'000'000;
-/// m: what moves within less stands, and within more it does not, however far copies are apart.
+/// m: what moves within less stands.
 constexpr double kStill = 3e-3;
-constexpr double kFarthest = 0.15;
-/// A gap that grows by more than this part of it was made by something else than agreement.
-constexpr double kGrows = 0.3;
-/// Of what agreement lifts and drops, the widest gap counts for so many seconds.
-constexpr double kFades = 4.0;
 /// Who is so many times as far from all the others as the most central copy is not elected.
 constexpr double kOutvoted = 1.4;
-/// And who has been elected stays so up to there, for a while: not for good, since others may have
-/// elected somebody else, and what rests long enough looks the same to all.
-constexpr double kDeposed = 1.7;
-constexpr SessionTime kTerm = 3'000'000'000;  // ns
 /// ns: what nobody has acted on since is taken over no sooner again, whatever a liar says.
 constexpr SessionTime kAgain = 5'000'000'000;
 /// So often the same is taken over: what slides away each time lies on something else here.
@@ -113,7 +104,7 @@ void Settlement::look_at(std::size_t index) {
   if (body.copies.empty()) body.copies.push_back({.peer = data_.self()});
   const auto note = [&](Copy& copy, const pbd::Pose& pose) {
     constexpr double kPart = static_cast<double>(kInterval) / static_cast<double>(kPatience);
-    const double still = std::clamp(body.reach, kStill, kFarthest);
+    const double still = std::max(body.reach, kStill);
     const bool rests = copy.since != 0 && distance(pose, copy.about) <= still;
     if (!rests) copy.since = data_.now;
     copy.about = rests ? between(copy.about, pose, kPart) : pose;
@@ -136,13 +127,6 @@ void Settlement::look_at(std::size_t index) {
     note(*copy, there);
     body.gap = std::max(body.gap, distance(there, own_at(index, received)));
   }
-  constexpr double kLeft = 1.0 - 1e-9 * static_cast<double>(kInterval) / kFades;
-  const double widest = std::max(body.gap, kLeft * body.widest);
-  // More than agreement makes of it: something happens.
-  if (body.gap > (1.0 + kGrows) * std::max(body.widest, body.reach) + kApart) {
-    for (Copy& copy : body.copies) copy.since = 0;
-  }
-  body.widest = widest;
   if (body.gap > kApart) {
     body.together = 0;
     return;
@@ -231,15 +215,13 @@ void Settlement::settle_island() {
   bool free = true;
   bool touches = false;
   double gap = 0.0;
-  double reach = 0.0;
   for (const std::size_t i : members_) {
     const Body& body = bodies_[i];
     free = free && body.free;
     touches = touches || (body.touched != 0 && data_.now - body.touched <= kPatience);
     gap = std::max(gap, body.gap);
-    reach = std::max(reach, body.widest);
   }
-  for (const std::size_t i : members_) bodies_[i].reach = reach;
+  for (const std::size_t i : members_) bodies_[i].reach = gap;
   if (!free) {
     for (const std::size_t i : members_) bodies_[i].taken_at = 0;
   }
@@ -273,12 +255,9 @@ PeerId Settlement::elect() {
   }
   double least = candidates_.front().cost;
   for (const Candidate& candidate : candidates_) least = std::min(least, candidate.cost);
-  const Body& last = bodies_[members_.front()];
   PeerId elected = 0;
   for (const Candidate& candidate : candidates_) {
-    const bool was = candidate.peer == last.elected && data_.now - last.elected_since < kTerm;
-    if (candidate.cost > (was ? kDeposed : kOutvoted) * least) continue;
-    if (was) return candidate.peer;
+    if (candidate.cost > kOutvoted * least) continue;
     elected = elected == 0 ? candidate.peer : std::min(elected, candidate.peer);
   }
   return elected;
@@ -326,7 +305,7 @@ void Settlement::take_over(PeerId elected, bool asleep) {
     body.taken_at = data_.now;
     body.trial = trials_;
     body.asleep = asleep;
-    body.reach = body.widest = 0.0;
+    body.reach = 0.0;
     for (Copy& copy : body.copies) copy.since = 0;
     pbd::BodyActivity activity = data_.world.activities()[body.id.index];
     activity.awake = false;

@@ -35,8 +35,8 @@ class Settlement {
     pbd::BodyId id = {};
     std::vector<Copy> copies = {};  ///< the own one first, then those of whose word counts
     double gap = 0.0;               ///< m, to the copy that is furthest away
-    double widest = 0.0;            ///< m, the same of the last seconds
-    /// m, the widest of its island: what moves within it is moved by agreement alone, and rests.
+    /// m, the largest gap of its island: what moves within it is moved by agreement alone, and
+    /// rests.
     double reach = 0.0;
     SessionTime touched = 0;   ///< ns, when it was last beside something
     SessionTime together = 0;  ///< ns, since when all copies are; 0 = they are not
