@@ -44,7 +44,7 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   HardInputs hard;
   Agreement agreement;
   Sender sender;
-  const bool settles;            ///< copies at rest that differ elect one
+  const bool settles;           ///< copies at rest that differ elect one
   SessionTime last_before = 0;  ///< ns, of the last before_step()
 };
 
@@ -144,8 +144,8 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       hard(data),
       agreement(data, replay.get(), trust, latecomers, estimator, hard),
       sender(data, connections, activity),
-      settles(options.arbitration && (options.coupling == Coupling::OnePass ||
-                                      options.coupling == Coupling::TwoStep)) {}
+      settles(options.arbitration &&
+              (options.coupling == Coupling::OnePass || options.coupling == Coupling::TwoStep)) {}
 
 Peer::Peer(pbd::World& world, Transport& transport, const PeerOptions& options) {
   options.validate();

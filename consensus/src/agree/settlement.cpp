@@ -24,10 +24,10 @@ constexpr SessionTime kPatience = 1'000'000'000;
 /// ns: so long whoever is elected has to fall asleep, before its copy is taken over as it is.
 constexpr SessionTime kSleepPatience = 2'000'000'000;
 /// m: what moves within less stands.
-constexpr double kStill = 3e-3;
+constexpr double kStands = 3e-3;
 /// Who is so many times as far from all the others as the most central copy is not elected.
 constexpr double kOutvoted = 1.4;
-/// ns: what nobody has acted on since is taken over no sooner again, whatever a liar says.
+/// ns: what nobody has acted on since is put somewhere else no sooner again, whatever a liar says.
 constexpr SessionTime kAgain = 5'000'000'000;
 /// So often the same is taken over: what slides away each time lies on something else here.
 constexpr int kTries = 2;
@@ -104,7 +104,7 @@ void Settlement::look_at(std::size_t index) {
   if (body.copies.empty()) body.copies.push_back({.peer = data_.self()});
   const auto note = [&](Copy& copy, const pbd::Pose& pose) {
     constexpr double kPart = static_cast<double>(kInterval) / static_cast<double>(kPatience);
-    const double still = std::max(body.reach, kStill);
+    const double still = std::max(body.slack, kStands);
     const bool rests = copy.since != 0 && distance(pose, copy.about) <= still;
     if (!rests) copy.since = data_.now;
     copy.about = rests ? between(copy.about, pose, kPart) : pose;
@@ -221,7 +221,7 @@ void Settlement::settle_island() {
     touches = touches || (body.touched != 0 && data_.now - body.touched <= kPatience);
     gap = std::max(gap, body.gap);
   }
-  for (const std::size_t i : members_) bodies_[i].reach = gap;
+  for (const std::size_t i : members_) bodies_[i].slack = gap;
   if (!free) {
     for (const std::size_t i : members_) bodies_[i].taken_at = 0;
   }
@@ -275,7 +275,7 @@ void Settlement::follow(PeerId elected) {
     });
     if (tried) {
       data_.stats.bodies_apart += members_.size();
-    } else if (may_take_over(asleep)) {
+    } else if (may_take_over(elected, asleep)) {
       return take_over(elected, asleep);
     } else {
       return;
@@ -284,11 +284,13 @@ void Settlement::follow(PeerId elected) {
   for (const std::size_t i : members_) data_.bodies[i].stands = true;
 }
 
-bool Settlement::may_take_over(bool asleep) const {
+bool Settlement::may_take_over(PeerId elected, bool asleep) const {
   const Body& first = bodies_[members_.front()];
   if (!asleep && data_.now - first.elected_since < kSleepPatience) return false;
   return std::all_of(members_.begin(), members_.end(), [&](std::size_t i) {
-    return bodies_[i].taken_at == 0 || data_.now - bodies_[i].taken_at >= kAgain;
+    const Body& body = bodies_[i];
+    return body.taken_at == 0 || data_.now - body.taken_at >= kAgain ||
+           distance(pose_of(i, *said(i, elected)), body.taken_pose) <= kApart;
   });
 }
 
@@ -305,7 +307,7 @@ void Settlement::take_over(PeerId elected, bool asleep) {
     body.taken_at = data_.now;
     body.trial = trials_;
     body.asleep = asleep;
-    body.reach = 0.0;
+    body.slack = 0.0;
     for (Copy& copy : body.copies) copy.since = 0;
     pbd::BodyActivity activity = data_.world.activities()[body.id.index];
     activity.awake = false;

@@ -37,7 +37,7 @@ class Settlement {
     double gap = 0.0;               ///< m, to the copy that is furthest away
     /// m, the largest gap of its island: what moves within it is moved by agreement alone, and
     /// rests.
-    double reach = 0.0;
+    double slack = 0.0;
     SessionTime touched = 0;   ///< ns, when it was last beside something
     SessionTime together = 0;  ///< ns, since when all copies are; 0 = they are not
     bool free = false;         ///< nobody acts on it
@@ -65,7 +65,7 @@ class Settlement {
   /// 0 where nobody is.
   PeerId elect();
   void follow(PeerId elected);
-  bool may_take_over(bool asleep) const;
+  bool may_take_over(PeerId elected, bool asleep) const;
   /// Put the island where that peer has it, asleep, so that nothing is solved before it was looked
   /// at.
   void take_over(PeerId elected, bool asleep);

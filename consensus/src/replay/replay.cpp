@@ -98,13 +98,14 @@ PeerId Replay::update(ReplayStats& stats) {
     drop();
     return oldest_;
   }
-  first_ = reached_;
-  for (; reached_ < history_.last(); ++reached_) {
+  bool begins = true;
+  for (; reached_ < history_.last(); ++reached_, begins = false) {
+    take_late(reached_, begins);
     if (step_from(reached_, stats)) continue;
     drop();
     return 0;
   }
-  take_late(reached_);
+  take_late(reached_, begins);
   if (schedule_.is_fresh()) blend(reached_);
   for (std::uint32_t slot = 0; slot < slots_.size(); ++slot) {
     // Another body may have taken the place since it was begun.
@@ -203,7 +204,6 @@ bool Replay::start() {
 }
 
 bool Replay::step_from(std::size_t frame, ReplayStats& stats) {
-  take_late(frame);
   blend(frame);
   apply_inputs(frame);
   const SessionTime time = history_.frame(frame).time;
@@ -216,11 +216,10 @@ bool Replay::step_from(std::size_t frame, ReplayStats& stats) {
   return report.status == pbd::StepStatus::Ok;
 }
 
-void Replay::take_late(std::size_t frame) {
+void Replay::take_late(std::size_t frame, bool begins) {
   const std::vector<WorldHistory::Late>& all = history_.late();
   if (all.empty()) return;
   const SessionTime time = history_.frame(frame).time;
-  const bool begins = frame == first_;
   const SessionTime before = begins ? 0 : history_.frame(frame - 1).time;
   // A world that was copied then has not what was taken since; one that is stepped along has not
   // what has only just been.

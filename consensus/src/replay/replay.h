@@ -91,7 +91,7 @@ class Replay {
   bool step_from(std::size_t frame, ReplayStats& stats);
   /// What was done to bodies before that frame, and since the one before it or, where this update
   /// begins, since ever.
-  void take_late(std::size_t frame);
+  void take_late(std::size_t frame, bool begins);
   void push(const WorldHistory::Late& late, SessionTime time);
   void blend(std::size_t frame);
   void apply_inputs(std::size_t frame);
@@ -112,7 +112,6 @@ class Replay {
   std::size_t start_ = 0;    ///< frame
   PeerId oldest_ = 0;        ///< whose news it is
   std::size_t reached_ = 0;  ///< frame
-  std::size_t first_ = 0;    ///< frame, where this update begins
   std::vector<News> news_;
   std::size_t next_ = 0;  ///< of news_, not blended yet
   std::vector<Prescribed> prescribed_;
