@@ -172,6 +172,30 @@ Site& add_honest(Table& table) {
   site.share("cube", Box{0.05, 0.05, 0.05}, {.pose = {.position = Vec3(0.0, 0.0, 0.05)}});
   return site;
 }
+TEST_CASE("settlement: what rolls is not stopped by one who says that it lies far away",
+          "[session]") {
+  const auto rolled = [](bool lied) {
+    Table table({.latency = 0.03}, 1);
+    if (lied) {
+      Site& liar = table.add({.coupling = consensus::Coupling::None});
+      liar.share("ball", Sphere{0.1}, {.pose = {.position = Vec3(5.0, 0.0, 0.1)}});
+    }
+    for (int i = 0; i < 2; ++i) {
+      Site& site = table.add({.authority_ramp = 0.0});
+      site.share("ball", Sphere{0.1},
+                 {.pose = {.position = Vec3(0.0, 0.0, 0.1)},
+                  .twist = {.linear = Vec3(0.3, 0.0, 0.0), .angular = Vec3(0.0, 3.0, 0.0)}});
+    }
+    table.run(8.0);
+    const Site& site = *table.sites.back();
+    CHECK(site.peer->stats().bodies_placed == 0);
+    return site.scene.pose(site.bodies[0]).position.x();
+  };
+  const double alone = rolled(false);
+  CHECK(alone > 2.0);
+  CHECK(rolled(true) == Approx(alone).margin(0.05));
+}
+
 /// What keeps the cube where it is, in the way of every mean.
 void add_walls(Site& site) {
   for (const double x : {-0.08, 0.08}) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 #include "common/body_state.h"
 #include "common/ranges.h"
@@ -23,8 +23,10 @@ constexpr SessionTime kInterval = 100'000'000;
 constexpr SessionTime kPatience = 1'000'000'000;
 /// ns: so long whoever is elected has to fall asleep, before its copy is taken over as it is.
 constexpr SessionTime kSleepPatience = 2'000'000'000;
-/// m: what moves within less stands.
+/// m: what moves within the first stands; within more than the second it moves, however far away
+/// somebody says that it is (tests/session/settlement_test.cpp, a ball that rolls).
 constexpr double kStands = 3e-3;
+constexpr double kFarthest = 0.15;
 /// Who is so many times as far from all the others as the most central copy is not elected.
 constexpr double kOutvoted = 1.4;
 /// ns: what nobody has acted on since is put somewhere else no sooner again, whatever a liar says.
@@ -65,6 +67,7 @@ double least_gap(const pbd::World& world, const pbd::Manifold& manifold) {
 
 void Settlement::settle() {
   if (data_.now >= looked_ && data_.now - looked_ < kInterval) return;
+  if (data_.now < looked_) bodies_.clear();  // the clock was set back
   looked_ = data_.now;
   data_.stats.bodies_apart = 0;
   look();
@@ -104,7 +107,7 @@ void Settlement::look_at(std::size_t index) {
   if (body.copies.empty()) body.copies.push_back({.peer = data_.self()});
   const auto note = [&](Copy& copy, const pbd::Pose& pose) {
     constexpr double kPart = static_cast<double>(kInterval) / static_cast<double>(kPatience);
-    const double still = std::max(body.slack, kStands);
+    const double still = std::clamp(body.slack, kStands, kFarthest);
     const bool rests = copy.since != 0 && distance(pose, copy.about) <= still;
     if (!rests) copy.since = data_.now;
     copy.about = rests ? between(copy.about, pose, kPart) : pose;
@@ -181,24 +184,22 @@ void Settlement::join(std::uint32_t a, std::uint32_t b) {
 }
 
 void Settlement::look_at_taken() {
-  const auto misplaced = [&](const Body& body) {
-    return body.misplaced || (body.trial != 0 && body.touched != data_.now);
-  };
+  misplaced_.clear();
+  for (const Body& body : bodies_) {
+    const bool lies = body.touched == data_.now && !body.misplaced;
+    if (body.trial != 0 && !lies) misplaced_.push_back(body.trial);
+  }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
-    if (body.trial == 0 || !data_.world.contains(body.id)) continue;
-    const bool back = ranges::any_of(
-        bodies_, [&](const Body& other) { return other.trial == body.trial && misplaced(other); });
-    if (back) {
+    body.misplaced = false;
+    const std::uint64_t trial = std::exchange(body.trial, 0);
+    if (trial == 0 || !data_.world.contains(body.id)) continue;
+    if (ranges::find(misplaced_, trial) != misplaced_.end()) {
       put(i, body.before);
       body.tries = kTries;
     } else if (!body.asleep) {
       data_.world.wake(body.id);
     }
-  }
-  for (Body& body : bodies_) {
-    body.trial = 0;
-    body.misplaced = false;
   }
 }
 

@@ -35,8 +35,7 @@ class Settlement {
     pbd::BodyId id = {};
     std::vector<Copy> copies = {};  ///< the own one first, then those of whose word counts
     double gap = 0.0;               ///< m, to the copy that is furthest away
-    /// m, the largest gap of its island: what moves within it is moved by agreement alone, and
-    /// rests.
+    /// m, the largest gap of its island: what moves within it is moved by agreement alone.
     double slack = 0.0;
     SessionTime touched = 0;   ///< ns, when it was last beside something
     SessionTime together = 0;  ///< ns, since when all copies are; 0 = they are not
@@ -93,6 +92,7 @@ class Settlement {
   std::vector<std::pair<std::uint32_t, std::size_t>> islands_;  ///< roots and bodies
   std::vector<std::size_t> members_;                            ///< of the one that is looked at
   std::vector<Candidate> candidates_;
+  std::vector<std::uint64_t> misplaced_;  ///< trials
 };
 
 }  // namespace tandem::consensus
