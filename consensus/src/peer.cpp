@@ -139,7 +139,7 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       ownership(data, connections, activity),
       remote(data),
       placement(data),
-      settlement(data, activity),
+      settlement(data, trust, activity),
       estimator(data, trust, remote, placement),
       hard(data),
       agreement(data, replay.get(), trust, latecomers, estimator, hard),
@@ -168,7 +168,7 @@ void Peer::before_step(SessionTime now) {
   if (impl_->data.options.coupling == Coupling::SingleOwner) {
     impl_->ownership.update(impl_->receiver.ownership());
   }
-  if (impl_->settles) impl_->settlement.settle();
+  if (impl_->settles && impl_->data.world.contacts() != nullptr) impl_->settlement.settle();
   impl_->agreement.aggregate();
   if (!impl_->data.in_pass()) average_before_step(impl_->data, impl_->agreement);
 }
@@ -303,7 +303,8 @@ void Peer::act(const ActDef& def) {
   }
   const CodecResult result = check(as_update(def));
   if (!result.ok()) throw std::invalid_argument(std::string("ActDef: ") + result.detail);
-  if (!data.acts.act(def, shared, data.self(), data.now)) ++data.stats.acts_refused;
+  const bool owned = owned_by.has_value();
+  if (!data.acts.act(def, shared, data.self(), owned, data.now)) ++data.stats.acts_refused;
 }
 
 const PeerStats& Peer::stats() const {

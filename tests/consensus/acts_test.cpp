@@ -374,9 +374,10 @@ TEST_CASE("acts: who says too much makes nothing faster than hands do", "[consen
          .twist = Twist{{0.0, 9e4, 0.0}, {0.0, 0.0, 9e4}},
          .stamp = now - ns(0.5)});
     say({.number = ++number, .body = owned, .impulse = {1.0, 0.0, 0.0}, .stamp = now});
-    say({.number = ++number, .body = SharedId::from_name("none"), .stamp = now});
-    say({.number = ++number, .body = kBody, .stamp = now - ns(5.0)});
-    say({.number = ++number, .body = kBody, .stamp = now + ns(5.0)});
+    const Vec3 push(1.0, 0.0, 0.0);
+    say({.number = ++number, .body = SharedId::from_name("none"), .impulse = push, .stamp = now});
+    say({.number = ++number, .body = kBody, .impulse = push, .stamp = now - ns(5.0)});
+    say({.number = ++number, .body = kBody, .impulse = push, .stamp = now + ns(5.0)});
     transport.deliver(2, ActReceipt{.actor = 1, .number = number, .body = kBody, .stamp = now});
     site.peer->before_step(now);
     site.solver.step(site.world, 1.0 / 60.0);

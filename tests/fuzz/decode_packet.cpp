@@ -29,7 +29,7 @@ std::vector<Bytes> seeds() {
   (void)encode(std::span<const StateUpdate>(&state, 1), states);
   Bytes both = states;
   both.insert(both.end(), leave.begin(), leave.end());
-  const ActUpdate act{.body = state.id, .pose = pbd::Pose{}, .stamp = 5};
+  const ActUpdate act{.body = state.id, .pose = tandem::pbd::Pose{}, .stamp = 5};
   const ActReceipt receipt{.actor = 1, .body = state.id, .stamp = 5};
   Bytes acts;
   (void)encode(std::span<const ActUpdate>(&act, 1), acts);

@@ -135,7 +135,7 @@ std::string metrics_text(const PeerFigures& f) {
               static_cast<double>(f.faults));
   page.single("undecodable_total", "counter", "Packets that did not decode.",
               static_cast<double>(f.packets_rejected));
-  page.single("bodies_placed_total", "counter", "Bodies put where the leading peer has them.",
+  page.single("bodies_placed_total", "counter", "Bodies that were taken over from an elected peer.",
               static_cast<double>(f.bodies_placed));
   page.begin("strangers_refused_total", "counter", "What came from nobody that is known.");
   for (const auto& [reason, count] : f.refused) {

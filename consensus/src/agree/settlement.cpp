@@ -67,12 +67,20 @@ double least_gap(const pbd::World& world, const pbd::Manifold& manifold) {
 
 void Settlement::settle() {
   if (data_.now >= looked_ && data_.now - looked_ < kInterval) return;
-  if (data_.now < looked_) bodies_.clear();  // the clock was set back
+  const bool set_back = data_.now < looked_;
   looked_ = data_.now;
   data_.stats.bodies_apart = 0;
-  look();
+  find_bodies();
+  if (set_back) {
+    for (Body& body : bodies_) body.forget_times();
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) look_at(i);
   const bool tries = ranges::any_of(bodies_, [](const Body& body) { return body.trial != 0; });
   if (!tries && !ranges::any_of(bodies_, [](const Body& body) { return body.gap > kApart; })) {
+    for (Body& body : bodies_) {
+      body.slack = 0.0;
+      body.elected = 0;
+    }
     return;
   }
   find_islands();
@@ -87,16 +95,33 @@ void Settlement::settle() {
   }
 }
 
-void Settlement::look() {
-  bodies_.resize(data_.bodies.size());
-  for (std::size_t i = 0; i < bodies_.size(); ++i) look_at(i);
+void Settlement::Body::forget_times() {
+  copies.clear();
+  touched = together = taken_at = 0;
+  elected = 0;
+}
+
+void Settlement::find_bodies() {
+  bool same = bodies_.size() == data_.bodies.size();
+  for (std::size_t i = 0; same && i < bodies_.size(); ++i) {
+    same = bodies_[i].id == data_.bodies[i].def.body;
+  }
+  if (same) return;
+  std::vector<Body> before = std::exchange(bodies_, {});
+  // In one order, then and now.
+  auto next = before.begin();
+  for (const SharedBody& shared : data_.bodies) {
+    const auto found = std::find_if(next, before.end(),
+                                    [&](const Body& body) { return body.id == shared.def.body; });
+    bodies_.push_back(found != before.end() ? std::move(*found) : Body{.id = shared.def.body});
+    if (found != before.end()) next = found + 1;
+  }
 }
 
 void Settlement::look_at(std::size_t index) {
   SharedBody& shared = data_.bodies[index];
   const pbd::BodyId id = shared.def.body;
   Body& body = bodies_[index];
-  if (body.id != id) body = Body{.id = id};
   shared.stands = false;
   body.free = false;
   body.gap = 0.0;
@@ -119,9 +144,13 @@ void Settlement::look_at(std::size_t index) {
   });
   note(body.copies.front(), data_.world.pose(id));
   for (const Inbox::Received& received : newest) {
-    const UpdateFlags& flags = received.update.flags;
-    body.free = body.free && !flags.held && !flags.leads && !flags.owner_driven;
-    if (!(received.update.influence > 0.0F)) continue;
+    const StateUpdate& update = received.update;
+    if (!(update.influence > 0.0F)) continue;
+    // Springs are known here; what else is said to act may be a lie.
+    const bool leads =
+        update.flags.leads && (newest.size() < 2 || trust_.believes_lead(shared, received.peer));
+    const bool by_hand = update.flags.owner_driven && trust_.believes_hands(newest.size());
+    body.free = body.free && !leads && !by_hand;
     auto copy = ranges::find(body.copies, received.peer, &Copy::peer);
     if (copy == body.copies.end()) {
       copy = body.copies.insert(copy, Copy{.peer = received.peer});
@@ -151,21 +180,25 @@ void Settlement::find_islands() {
   in_slot_.assign(slots, kNone);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (data_.world.contains(bodies_[i].id)) in_slot_[bodies_[i].id.index] = i;
-    if (data_.bodies[i].coupled) bodies_[i].touched = data_.now;
   }
-  for (const auto& [a, b] : activity_.joined()) join(a, b);
-  if (data_.world.contacts() != nullptr) {
-    for (const pbd::Contact& contact : data_.world.contacts()->contacts()) {
-      const pbd::Manifold& manifold = contact.manifold;
-      join(manifold.body_a, manifold.body_b);
-      for (const auto& [slot, other] : {std::pair(manifold.body_a, manifold.body_b),
-                                        std::pair(manifold.body_b, manifold.body_a)}) {
-        if (in_slot_[slot] == kNone) continue;
-        Body& body = bodies_[in_slot_[slot]];
-        body.touched = data_.now;
-        body.misplaced = body.misplaced || (body.trial != 0 && !moves(other) &&
-                                            least_gap(data_.world, manifold) < -kApart);
-      }
+  for (const auto& [a, b] : activity_.joined()) {
+    join(a, b);
+    // What is jointed to something that only is here cannot be put where others have it.
+    if (in_slot_[a] == kNone && in_slot_[b] != kNone) bodies_[in_slot_[b]].free = false;
+    if (in_slot_[b] == kNone && in_slot_[a] != kNone) bodies_[in_slot_[a]].free = false;
+  }
+  for (const pbd::Contact& contact : data_.world.contacts()->contacts()) {
+    const pbd::Manifold& manifold = contact.manifold;
+    join(manifold.body_a, manifold.body_b);
+    for (const auto& [slot, other] : {std::pair(manifold.body_a, manifold.body_b),
+                                      std::pair(manifold.body_b, manifold.body_a)}) {
+      if (in_slot_[slot] == kNone) continue;
+      Body& body = bodies_[in_slot_[slot]];
+      body.touched = data_.now;
+      if (body.trial == 0) continue;
+      const std::size_t neighbour = in_slot_[other];
+      if (neighbour != kNone && bodies_[neighbour].trial == body.trial) continue;
+      body.misplaced = body.misplaced || least_gap(data_.world, manifold) < -kApart;
     }
   }
   islands_.clear();
@@ -185,19 +218,29 @@ void Settlement::join(std::uint32_t a, std::uint32_t b) {
 
 void Settlement::look_at_taken() {
   misplaced_.clear();
-  for (const Body& body : bodies_) {
-    const bool lies = body.touched == data_.now && !body.misplaced;
-    if (body.trial != 0 && !lies) misplaced_.push_back(body.trial);
+  acted_on_.clear();
+  const auto add_once = [](std::vector<std::uint64_t>& trials, std::uint64_t trial) {
+    if (ranges::find(trials, trial) == trials.end()) trials.push_back(trial);
+  };
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Body& body = bodies_[i];
+    if (body.trial == 0) continue;
+    if (!body.free) add_once(acted_on_, body.trial);
+    const bool hangs = data_.bodies[i].coupled;
+    if (body.misplaced || (body.touched != data_.now && !hangs)) {
+      add_once(misplaced_, body.trial);
+    }
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     body.misplaced = false;
     const std::uint64_t trial = std::exchange(body.trial, 0);
     if (trial == 0 || !data_.world.contains(body.id)) continue;
-    if (ranges::find(misplaced_, trial) != misplaced_.end()) {
+    const bool acted_on = ranges::find(acted_on_, trial) != acted_on_.end();
+    if (!acted_on && ranges::find(misplaced_, trial) != misplaced_.end()) {
       put(i, body.before);
       body.tries = kTries;
-    } else if (!body.asleep) {
+    } else if (acted_on || !body.asleep) {
       data_.world.wake(body.id);
     }
   }
@@ -309,6 +352,7 @@ void Settlement::take_over(PeerId elected, bool asleep) {
     body.trial = trials_;
     body.asleep = asleep;
     body.slack = 0.0;
+    shared.stands = true;
     for (Copy& copy : body.copies) copy.since = 0;
     pbd::BodyActivity activity = data_.world.activities()[body.id.index];
     activity.awake = false;

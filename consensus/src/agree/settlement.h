@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "agree/trust.h"
 #include "input/activity.h"
 #include "peer_data.h"
 
@@ -18,7 +19,8 @@ namespace tandem::consensus {
 /// comes to rest; the others take it over as a whole. docs/method.md ("Between wells an election").
 class Settlement {
  public:
-  Settlement(PeerData& data, const Activity& activity) : data_(data), activity_(activity) {}
+  Settlement(PeerData& data, Trust& trust, const Activity& activity)
+      : data_(data), trust_(trust), activity_(activity) {}
 
   /// Before a step, once the news are in. Sets SharedBody::stands.
   void settle();
@@ -50,13 +52,16 @@ class Settlement {
     bool asleep = false;      ///< there
     bool misplaced = false;   ///< it lies within something that is only here
     pbd::Pose before = {};    ///< where it was
+
+    void forget_times();
   };
   struct Candidate {
     PeerId peer = 0;
     double cost = 0.0;  ///< m, sum of distances to all others
   };
 
-  void look();
+  /// Into bodies_, as they are in PeerData::bodies now.
+  void find_bodies();
   void look_at(std::size_t index);
   void find_islands();
   std::uint32_t root_of(std::uint32_t slot);
@@ -83,6 +88,7 @@ class Settlement {
   double apart(std::size_t index, PeerId a, PeerId b) const;
 
   PeerData& data_;
+  Trust& trust_;
   const Activity& activity_;
   SessionTime looked_ = 0;  ///< ns
   std::uint64_t trials_ = 0;
@@ -93,6 +99,7 @@ class Settlement {
   std::vector<std::size_t> members_;                            ///< of the one that is looked at
   std::vector<Candidate> candidates_;
   std::vector<std::uint64_t> misplaced_;  ///< trials
+  std::vector<std::uint64_t> acted_on_;   ///< trials
 };
 
 }  // namespace tandem::consensus

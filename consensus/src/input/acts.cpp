@@ -39,7 +39,7 @@ SessionTime Acts::last_frame(SessionTime now) const {
   return history_.empty() ? now : history_.frame(history_.last()).time;
 }
 
-bool Acts::act(const ActDef& def, SharedBody& shared, PeerId self, SessionTime now) {
+bool Acts::act(const ActDef& def, SharedBody& shared, PeerId self, bool owned, SessionTime now) {
   const pbd::BodyId body = shared.def.body;
   const SessionTime when = last_frame(now);
   if (def.name != 0 && find(body, self, 0, def.name) != nullptr) return true;
@@ -48,7 +48,7 @@ bool Acts::act(const ActDef& def, SharedBody& shared, PeerId self, SessionTime n
   update.stamp = when;
   const pbd::Twist change = apply(update, shared);
   history_.note_own(body.index, world_.state(body), change, def.pose.has_value());
-  if (shared.def.owner == self) return true;  // its states say it all
+  if (owned) return true;  // its states say it all
   if (!budget_.fill(now) || acts_.size() >= kMaxOfAll) return false;
   budget_.spend(def.pose ? kPlacing : 1.0);
   ++next_number_;

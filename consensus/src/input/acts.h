@@ -42,8 +42,9 @@ class Acts {
   Acts(pbd::World& world, WorldHistory& history, const PeerOptions& options)
       : world_(world), history_(history), options_(options), budget_(kPerSecond, kAtOnce) {}
 
-  /// Do an own one. @return false where there are too many for the others to take
-  bool act(const ActDef& def, SharedBody& shared, PeerId self, SessionTime now);
+  /// Do an own one. @param owned  the body is this peer's alone
+  /// @return false where there are too many for the others to take
+  bool act(const ActDef& def, SharedBody& shared, PeerId self, bool owned, SessionTime now);
   /// Do another peer's, a body that is here and that nobody owns. `newest` has its states.
   /// @param established  this peer does not take over what others have any more
   /// @return false where it is too old, too new or of too many

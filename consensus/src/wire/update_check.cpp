@@ -147,6 +147,10 @@ CodecResult check(const OwnershipUpdate& update) {
 CodecResult check(const ActUpdate& act) {
   CodecResult result = check_id(act.body);
   if (!result.ok()) return result;
+  // Else it would lead the body, and take a name, for nothing.
+  if (!act.pose && !act.twist && act.impulse.isZero(0.0) && act.angular_impulse.isZero(0.0)) {
+    return fault(PacketFault::OutOfRange, "impulse: must not be zero where nothing else is done");
+  }
   result = check_norm(act.impulse, kMaxImpulse, "impulse: must be finite",
                       "impulse: norm must be below 1e12 N s");
   if (!result.ok()) return result;
