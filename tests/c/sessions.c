@@ -87,6 +87,36 @@ static void two_peers_meet_in_the_middle(void) {
   tandem_network_destroy(network);
 }
 
+/* A kick of one is a kick of both; what does nothing, or is no number, is refused. */
+static void an_act_counts_at_both(void) {
+  const tandem_link link = {.latency = 0.03};
+  const int64_t start = 1000000000, step = 16666667;
+  tandem_network* network = tandem_network_create(&link, 1, start, NULL);
+  site a = make_site(tandem_network_transport(network, 1, NULL), 0.0);
+  site b = make_site(tandem_network_transport(network, 2, NULL), 0.0);
+  tandem_act_def act;
+  tandem_act_def_init(&act);
+  act.body = tandem_shared_id_of("cube");
+  CHECK(tandem_peer_act(a.peer, &act, NULL) == TANDEM_INVALID_ARGUMENT);
+  CHECK(tandem_peer_act(a.peer, NULL, NULL) == TANDEM_INVALID_ARGUMENT);
+  act.sets_twist = 1;
+  act.twist.linear.x = 0.5;
+  for (int64_t k = 0; k < 120; ++k) {
+    const int64_t now = start + k * step;
+    tandem_network_advance(network, now, NULL);
+    if (k == 60) CHECK(tandem_peer_act(a.peer, &act, NULL) == TANDEM_OK);
+    step_site(&a, now, now + step);
+    step_site(&b, now, now + step);
+  }
+  CHECK(fabs(place(&a) - 0.5) < 0.02);
+  CHECK(fabs(place(&b) - 0.5) < 0.02);
+  act.impulse.x = NAN;
+  CHECK(tandem_peer_act(a.peer, &act, NULL) == TANDEM_INVALID_ARGUMENT);
+  destroy_site(&a);
+  destroy_site(&b);
+  tandem_network_destroy(network);
+}
+
 /* A hand that moves takes its body along at both; once it has left it holds nothing. */
 static void a_hand_moves_and_leaves(void) {
   const tandem_link link = {.latency = 0.03};
@@ -310,6 +340,7 @@ static void channels_carry_events(void) {
 
 void peers_share(void) {
   two_peers_meet_in_the_middle();
+  an_act_counts_at_both();
   a_hand_moves_and_leaves();
   a_transport_of_ones_own_carries_a_session();
   packets_are_no_longer_than_was_said();

@@ -77,6 +77,26 @@ def test_a_grab_moves_and_lets_go():
         hand.release()
 
 
+def test_an_act_of_one_counts_at_both():
+    network = tandem.VirtualNetwork(profile=3)
+    one, two = Site(network, 1), Site(network, 2)
+    advance(network, one, two, steps=120)
+    one.session.act("ball", velocity=(0, 0, 0), position=(1, 0, 0))
+    advance(network, one, two, steps=60)
+    one.session.act("ball", velocity=(0.5, 0, 0))
+    for site in (one, two):  # a script that both run
+        site.session.act("ball", impulse=(0, 0.3 * site.ball.mass, 0), once="blast")
+    at = one.session.now
+    advance(network, one, two, steps=60)
+    way = 1 - np.exp(-1e-9 * (one.session.now - at))  # of a speed that is damped by 1/s
+    for site in (one, two):
+        assert site.ball.position == pytest.approx((1 + 0.5 * way, 0.3 * way, 0), abs=0.03)
+    with pytest.raises(ValueError, match='"ball".*impulse'):
+        one.session.act("ball")
+    with pytest.raises(ValueError, match='"none"'):
+        one.session.act("none", impulse=(1, 0, 0))
+
+
 def test_what_a_callback_does_to_the_scene_counts_in_that_step():
     network = tandem.VirtualNetwork()
     site = Site(network, 1)

@@ -128,6 +128,25 @@ tandem_result tandem_peer_release(tandem_peer* peer, uint32_t grab, tandem_error
   return guarded(error, [&] { required(peer, "peer").peer.release({grab}); });
 }
 
+void tandem_act_def_init(tandem_act_def* def) {
+  if (def == nullptr) return;
+  *def = {};
+  def->pose.orientation.w = 1.0;
+}
+
+tandem_result tandem_peer_act(tandem_peer* peer, const tandem_act_def* def, tandem_error* error) {
+  return guarded(error, [&] {
+    const tandem_act_def& d = required(def, "def");
+    consensus::ActDef act{.body = id_of(d.body),
+                          .impulse = from_c(d.impulse),
+                          .angular_impulse = from_c(d.angular_impulse),
+                          .name = d.name};
+    if (d.sets_pose != 0) act.pose = from_c(d.pose);
+    if (d.sets_twist != 0) act.twist = from_c(d.twist);
+    required(peer, "peer").peer.act(act);
+  });
+}
+
 void tandem_peer_get_stats(const tandem_peer* peer, tandem_peer_stats* stats) {
   if (stats == nullptr) return;
   *stats = {};

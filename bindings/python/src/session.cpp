@@ -204,6 +204,32 @@ Grab grab(Participant& of, const std::string& name, const py::object& anchor,
   return {of.shared_from_this(), of_name(name, [&] { return of.peer().grab(def); })};
 }
 
+void act(Participant& of, const std::string& name, const py::kwargs& given) {
+  require_known(given, "act",
+                {"impulse", "angular_impulse", "position", "orientation", "velocity",
+                 "angular_velocity", "once"});
+  consensus::ActDef def{.body = named(name)};
+  take(given, "impulse", def.impulse);
+  take(given, "angular_impulse", def.angular_impulse);
+  Access scene(*of.core());
+  const BodyId body = of.peer().body_of(def.body);
+  const bool known = scene->world().contains(body);
+  if (known && (given.contains("position") || given.contains("orientation"))) {
+    def.pose = scene->pose(body);
+    take(given, "position", def.pose->position);
+    take(given, "orientation", def.pose->orientation);
+  }
+  if (known && (given.contains("velocity") || given.contains("angular_velocity"))) {
+    def.twist = scene->twist(body);
+    take(given, "velocity", def.twist->linear);
+    take(given, "angular_velocity", def.twist->angular);
+  }
+  if (given.contains("once")) {
+    def.name = named(py::cast<std::string>(given["once"])).low;
+  }
+  of_name(name, [&] { of.peer().act(def); });
+}
+
 std::size_t send(Participant& of, const std::string& topic, const py::bytes& payload, PeerId to) {
   const std::string bytes = payload;
   return of.session().events().send(topic, std::as_bytes(std::span(bytes)), to);
@@ -319,6 +345,12 @@ True
 
 anchor: where the hand is, m. Keywords, all optional: attachment (m, frame of the body), stiffness (N/m),
 damping (N s/m), max_force (N), mode.)")
+      .def("act", &act, py::arg("name"),
+           R"(Kick a shared body, or put it somewhere, at all peers as of the same session time.
+
+Keywords, all optional: impulse (N s) and angular_impulse (N m s), which are added; position, orientation,
+velocity and angular_velocity, which are set; once, a name: of acts under one name on a body, by whomever,
+one counts within a second.)")
       .def(
           "held",
           [](Participant& of, const std::string& name) { return of.peer().held(named(name)); },

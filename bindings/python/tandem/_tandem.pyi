@@ -468,6 +468,18 @@ class Session:
         max_force: float = ...,
         mode: InputMode = ...,
     ) -> Grab: ...
+    def act(
+        self,
+        name: str,
+        *,
+        impulse: ArrayLike = ...,
+        angular_impulse: ArrayLike = ...,
+        position: ArrayLike = ...,
+        orientation: ArrayLike = ...,
+        velocity: ArrayLike = ...,
+        angular_velocity: ArrayLike = ...,
+        once: str = ...,
+    ) -> None: ...
     def held(self, name: str) -> bool: ...
     def advance(
         self, now: int | None = ..., before_step: Callable[[int], object] | None = ...

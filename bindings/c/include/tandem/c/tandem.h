@@ -524,6 +524,19 @@ typedef struct tandem_grab_def {
   double stiffness, damping, max_force; /**< N/m, N s/m, N; 500, 20, 1e6 */
 } tandem_grab_def;
 
+/** What an application does to a shared body in one moment: what is not set stays, impulses are
+ * added. */
+typedef struct tandem_act_def {
+  tandem_shared_id body;
+  tandem_vec3 impulse;         /**< N s, world, at the centre of mass */
+  tandem_vec3 angular_impulse; /**< N m s, world */
+  int32_t sets_pose;           /**< not 0: to `pose`; 0 */
+  int32_t sets_twist;          /**< not 0: to `twist`; 0 */
+  tandem_pose pose;
+  tandem_twist twist;
+  uint64_t name; /**< acts of one name on a body are one within 1 s, whoever does them; 0 = none */
+} tandem_act_def;
+
 typedef struct tandem_peer_stats {
   uint64_t updates_received, packets_received, packets_rejected, bytes_sent, bodies_placed;
 } tandem_peer_stats;
@@ -558,6 +571,11 @@ TANDEM_C_API tandem_result tandem_peer_move(tandem_peer* peer, uint32_t grab, ta
                                             int64_t now_ns, tandem_error* error);
 TANDEM_C_API tandem_result tandem_peer_release(tandem_peer* peer, uint32_t grab,
                                                tandem_error* error);
+TANDEM_C_API void tandem_act_def_init(tandem_act_def* def);
+/** Kick a shared body, or put it somewhere, here and as of the same session time at all peers.
+ * Between steps. */
+TANDEM_C_API tandem_result tandem_peer_act(tandem_peer* peer, const tandem_act_def* def,
+                                           tandem_error* error);
 TANDEM_C_API void tandem_peer_get_stats(const tandem_peer* peer, tandem_peer_stats* stats);
 
 #undef TANDEM_C_ENUM
