@@ -140,12 +140,12 @@ void Settlement::look_at(std::size_t index) {
   std::erase_if(body.copies, [&](const Copy& copy) {
     if (copy.peer == data_.self()) return false;
     const auto received = ranges::find(newest, copy.peer, &Inbox::Received::peer);
-    return received == newest.end() || !(received->update.influence > 0.0F);
+    return received == newest.end() || !counts(*received);
   });
   note(body.copies.front(), data_.world.pose(id));
   for (const Inbox::Received& received : newest) {
     const StateUpdate& update = received.update;
-    if (!(update.influence > 0.0F)) continue;
+    if (!counts(received)) continue;
     // Springs are known here; what else is said to act may be a lie.
     const bool leads =
         update.flags.leads && (newest.size() < 2 || trust_.believes_lead(shared, received.peer));
@@ -165,6 +165,10 @@ void Settlement::look_at(std::size_t index) {
   }
   if (body.together == 0) body.together = data_.now;
   if (data_.now - body.together >= kPatience) body.tries = 0;
+}
+
+bool Settlement::counts(const Inbox::Received& received) const {
+  return received.update.influence > 0.0F && !latecomers_.is_late(received.peer);
 }
 
 std::uint32_t Settlement::root_of(std::uint32_t slot) {
@@ -299,12 +303,20 @@ PeerId Settlement::elect() {
   }
   double least = candidates_.front().cost;
   for (const Candidate& candidate : candidates_) least = std::min(least, candidate.cost);
+  std::erase_if(candidates_, [&](const Candidate& candidate) {
+    return candidate.peer != data_.self() && candidate.cost > kOutvoted * least;
+  });
   PeerId elected = 0;
   for (const Candidate& candidate : candidates_) {
     if (candidate.cost > kOutvoted * least) continue;
     elected = elected == 0 ? candidate.peer : std::min(elected, candidate.peer);
   }
-  return elected;
+  // Who is alone with what it says is no reason for an election among the others.
+  const bool differ = ranges::any_of(candidates_, [&](const Candidate& candidate) {
+    return std::any_of(members_.begin(), members_.end(),
+                       [&](std::size_t i) { return apart(i, candidate.peer, elected) > kApart; });
+  });
+  return differ ? elected : 0;
 }
 
 void Settlement::follow(PeerId elected) {

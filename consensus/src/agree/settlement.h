@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "agree/latecomers.h"
 #include "agree/trust.h"
 #include "input/activity.h"
 #include "peer_data.h"
@@ -19,8 +20,8 @@ namespace tandem::consensus {
 /// comes to rest; the others take it over as a whole. docs/method.md ("Between wells an election").
 class Settlement {
  public:
-  Settlement(PeerData& data, Trust& trust, const Activity& activity)
-      : data_(data), trust_(trust), activity_(activity) {}
+  Settlement(PeerData& data, Trust& trust, const Latecomers& latecomers, const Activity& activity)
+      : data_(data), trust_(trust), latecomers_(latecomers), activity_(activity) {}
 
   /// Before a step, once the news are in. Sets SharedBody::stands.
   void settle();
@@ -64,6 +65,8 @@ class Settlement {
   void find_bodies();
   void look_at(std::size_t index);
   void find_islands();
+  /// Whether what that peer says of a body counts here.
+  bool counts(const Inbox::Received& received) const;
   std::uint32_t root_of(std::uint32_t slot);
   void settle_island();
   /// 0 where nobody is.
@@ -89,6 +92,7 @@ class Settlement {
 
   PeerData& data_;
   Trust& trust_;
+  const Latecomers& latecomers_;
   const Activity& activity_;
   SessionTime looked_ = 0;  ///< ns
   std::uint64_t trials_ = 0;
