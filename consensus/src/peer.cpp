@@ -139,7 +139,7 @@ Peer::Impl::Impl(pbd::World& world, Transport& transport, const PeerOptions& opt
       ownership(data, connections, activity),
       remote(data),
       placement(data),
-      settlement(data, trust, latecomers, activity),
+      settlement(data, trust, latecomers, activity, placement),
       estimator(data, trust, remote, placement),
       hard(data),
       agreement(data, replay.get(), trust, latecomers, estimator, hard),

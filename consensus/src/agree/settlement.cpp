@@ -38,11 +38,6 @@ double distance(const pbd::Pose& a, const pbd::Pose& b) {
   return (a.position - b.position).norm() + kTurnLever * small_angle(a.orientation, b.orientation);
 }
 
-pbd::Pose between(const pbd::Pose& a, const pbd::Pose& b, double part) {
-  return {a.position + part * (b.position - a.position),
-          pbd::rotated(a.orientation, part * pbd::rotation_between(a.orientation, b.orientation))};
-}
-
 /// What sleeps has no velocity at all.
 bool sleeps(const StateUpdate& update) {
   return update.flags.resting ||
@@ -135,7 +130,8 @@ void Settlement::look_at(std::size_t index) {
     const double still = std::clamp(body.slack, kStands, kFarthest);
     const bool rests = copy.since != 0 && distance(pose, copy.about) <= still;
     if (!rests) copy.since = data_.now;
-    copy.about = rests ? between(copy.about, pose, kPart) : pose;
+    copy.about =
+        rests ? moved({copy.about, {}}, gap({copy.about, {}}, {pose, {}}), kPart).pose : pose;
   };
   std::erase_if(body.copies, [&](const Copy& copy) {
     if (copy.peer == data_.self()) return false;
@@ -242,21 +238,13 @@ void Settlement::look_at_taken() {
     if (trial == 0 || !data_.world.contains(body.id)) continue;
     const bool acted_on = ranges::find(acted_on_, trial) != acted_on_.end();
     if (!acted_on && ranges::find(misplaced_, trial) != misplaced_.end()) {
-      put(i, body.before);
+      placement_.place(data_.bodies[i], {body.before, {}});
+      data_.bodies[i].jumped = SharedBody::kJumpTold;
       body.tries = kTries;
     } else if (acted_on || !body.asleep) {
       data_.world.wake(body.id);
     }
   }
-}
-
-void Settlement::put(std::size_t index, const pbd::Pose& pose) {
-  SharedBody& shared = data_.bodies[index];
-  data_.world.set_pose(shared.def.body, pose);
-  data_.world.set_twist(shared.def.body, {});
-  data_.history.restart(shared.def.body.index, data_.world);
-  ++shared.placed;
-  shared.jumped = SharedBody::kJumpTold;
 }
 
 void Settlement::settle_island() {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "agree/latecomers.h"
+#include "agree/placement.h"
 #include "agree/trust.h"
 #include "input/activity.h"
 #include "peer_data.h"
@@ -20,10 +21,15 @@ namespace tandem::consensus {
 /// comes to rest; the others take it over as a whole. docs/method.md ("Between wells an election").
 class Settlement {
  public:
-  Settlement(PeerData& data, Trust& trust, const Latecomers& latecomers, const Activity& activity)
-      : data_(data), trust_(trust), latecomers_(latecomers), activity_(activity) {}
+  Settlement(PeerData& data, Trust& trust, const Latecomers& latecomers, const Activity& activity,
+             Placement& placement)
+      : data_(data),
+        trust_(trust),
+        latecomers_(latecomers),
+        activity_(activity),
+        placement_(placement) {}
 
-  /// Before a step, once the news are in. Sets SharedBody::stands.
+  /// Before a step, once the news is in. Sets SharedBody::stands.
   void settle();
 
  private:
@@ -33,7 +39,7 @@ class Settlement {
     pbd::Pose about = {};   ///< where it has been lately, on average
     SessionTime since = 0;  ///< ns, that it has been near there; 0 = not known
   };
-  /// What is known of a shared body, by its place in PeerData::bodies.
+  /// What is known of a shared body, in the order of PeerData::bodies.
   struct Body {
     pbd::BodyId id = {};
     std::vector<Copy> copies = {};  ///< the own one first, then those of whose word counts
@@ -41,7 +47,7 @@ class Settlement {
     /// m, the largest gap of its island: what moves within it is moved by agreement alone.
     double slack = 0.0;
     SessionTime touched = 0;   ///< ns, when it was last beside something
-    SessionTime together = 0;  ///< ns, since when all copies are; 0 = they are not
+    SessionTime together = 0;  ///< ns, since when no copy is apart; 0 = one is
     bool free = false;         ///< nobody acts on it
     PeerId elected = 0;
     SessionTime elected_since = 0;  ///< ns
@@ -50,8 +56,8 @@ class Settlement {
     SessionTime taken_at = 0;  ///< ns; 0: never, or somebody has acted on it since
     int tries = 0;
     std::uint64_t trial = 0;  ///< taken over with others, and not looked at since; 0 = it is not
-    bool asleep = false;      ///< there
-    bool misplaced = false;   ///< it lies within something that is only here
+    bool asleep = false;      ///< it slept at the elected peer's
+    bool misplaced = false;   ///< it overlaps what was not taken over with it
     pbd::Pose before = {};    ///< where it was
 
     void forget_times();
@@ -69,7 +75,7 @@ class Settlement {
   bool counts(const Inbox::Received& received) const;
   std::uint32_t root_of(std::uint32_t slot);
   void settle_island();
-  /// 0 where nobody is.
+  /// The peer whose copies the island is to take; 0 where none is elected.
   PeerId elect();
   void follow(PeerId elected);
   bool may_take_over(PeerId elected, bool asleep) const;
@@ -78,7 +84,6 @@ class Settlement {
   void take_over(PeerId elected, bool asleep);
   /// Put back what was taken over where some of it lies on nothing here, or within something.
   void look_at_taken();
-  void put(std::size_t index, const pbd::Pose& pose);
   bool moves(std::uint32_t slot) const;
   void join(std::uint32_t a, std::uint32_t b);
   bool rests(const Body& body, PeerId peer) const;
@@ -94,6 +99,7 @@ class Settlement {
   Trust& trust_;
   const Latecomers& latecomers_;
   const Activity& activity_;
+  Placement& placement_;
   SessionTime looked_ = 0;  ///< ns
   std::uint64_t trials_ = 0;
   std::vector<Body> bodies_;
