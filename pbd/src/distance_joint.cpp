@@ -107,11 +107,10 @@ bool DistanceJoint::find_gap(const SubstepContext& ctx) {
 void DistanceJoint::begin_substep(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
-  h_ = ctx.h;
   c_start_ = arm.length - def_.rest_length;
   const bool left = ctx.substep > 0 && !n_.isZero(0.0) && (arm.a->pushed || arm.b->pushed);
   displacement_residual_ = residual_at_start(axis(), c_start_, displacement_residual_, left,
-                                             Displaced(*arm.a, *arm.b), ctx.h);
+                                             arm.a->shared || arm.b->shared, ctx.h);
   r_a_ = arm.r_a;
   r_b_ = arm.r_b;
   n_ = arm.n;
@@ -176,9 +175,8 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   const Arms arm = arms(ctx, ground);
   const double c = arm.length - def_.rest_length;
   residual_ = violation(axis(), c);
-  const bool held = Displaced(*arm.a, *arm.b).held;
   if ((arm.a->is_pushed() || arm.b->is_pushed()) && !n_.isZero(0.0)) {
-    displacement_residual_ = residual_left(axis(), c, displacement_residual_, held, h_);
+    displacement_residual_ = residual_of(axis(), c);
   }
   if (!def_.enabled) {
     if (!broke_) force_ = 0.0;

@@ -268,7 +268,6 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     }
     if (!record.active()) continue;
     const bool left = is_pushed(record, ctx.bodies);
-    const bool held = Displaced(body_a, ctx.bodies[record.def.b.index]).held;
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
       state.residual = std::max(state.residual, violation(axis, c[i]));
@@ -278,8 +277,8 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
         if (std::abs(residual) > JointGap::kTolerance) record.gap.open(std::abs(residual));
         return;
       }
-      if (!left || (held && i >= 3)) return;
-      residual = residual_left(axis, c[i], residual, held, record.h);
+      if (!left) return;
+      residual = residual_of(axis, c[i]);
       if (std::abs(residual) > kLeft) record.gap.open(std::abs(residual));
     });
     // What a spoiled step leaves behind must not spoil the next one.

@@ -191,7 +191,7 @@ void JointCoupling::begin_substep(const SubstepContext& ctx) {
   const SolverBody& two = ctx.bodies[def_.two.b.index];
   const bool left = ctx.substep > 0 && (one.pushed || two.pushed);
   displacement_residual_ = residual_at_start(kLock, violated(ctx), displacement_residual_, left,
-                                             Displaced(one, two), ctx.h);
+                                             one.shared || two.shared, ctx.h);
 }
 
 double JointCoupling::project(const SubstepContext& ctx) {

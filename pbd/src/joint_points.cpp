@@ -43,7 +43,7 @@ void begin(const JointPart& part) {
     const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
     const bool left = ctx.substep > 0 && (a.pushed || b.pushed);
-    const Displaced displaced(a, b);
+    const bool displaced = a.shared || b.shared;
     const JointPlace place = JointPlace::of(record.def, a, b);
     for (int i = 0; i < 3; ++i) {
       node.r_a[i] = place.r_a[i];

@@ -105,33 +105,17 @@ inline double residual_of(const JointAxis& axis, double c) {
 /// with velocity.
 inline constexpr double kLeft = 2e-3;
 
-/// Whether the displacement channel closes what a joint violates, and whether contacts hold it.
-struct Displaced {
-  bool any = false;
-  bool held = false;
-
-  Displaced(const SolverBody& a, const SolverBody& b)
-      : any(a.shared || b.shared), held(a.held || b.held) {}
-};
-
-/// The residual of a row that contacts, which are solved after joints, may have opened. What they
-/// left is no violation that the next substep may take back, with the velocity of a whole closing
-/// in a substep: joints and contacts would reflect where they should project, so that limbs that
-/// lie on the ground tremble for ever, and those that fall on their end are thrown up. Where
-/// agreement is about, which closes all residuals without velocity, only blows are left: tyres
-/// would not feel it, and a car go round too large a circle.
-inline double residual_left(const JointAxis& axis, double c, double residual, bool held, double h) {
-  constexpr double kBlow = 0.3;  // m/s
-  const double left = residual_of(axis, c);
-  return held && std::abs(left - residual) <= kBlow * h ? residual : left;
-}
-/// The same as a substep begins.
-/// @param most  of it closes with velocity
+/// The residual of a row as a substep begins. What contacts, which are solved after joints, have
+/// left of it is no violation that the next substep may take back, with the velocity of a whole
+/// closing in a substep: joints and contacts would reflect where they should project, so that limbs
+/// that lie on the ground tremble for ever, and those that fall on their end are thrown up.
 /// @param left  by contacts, in the last substep of this step: between steps applications move
+/// @param displaced  the displacement channel closes it
+/// @param most  of it closes with velocity
 inline double residual_at_start(const JointAxis& axis, double c, double residual, bool left,
-                                Displaced displaced, double h, double most = kUnlimited) {
-  if (left) residual = residual_left(axis, c, residual, displaced.held, h);
-  if (displaced.any) return residual;
+                                bool displaced, double h, double most = kUnlimited) {
+  if (left) residual = residual_of(axis, c);
+  if (displaced) return residual;
   return residual - std::clamp(residual, -most, most) * (1.0 - residual_decay(h));
 }
 

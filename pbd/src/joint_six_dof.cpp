@@ -74,7 +74,7 @@ void begin(const JointPart& part) {
     const SolverBody& a = body_of(record.def.a, ctx.bodies, ground);
     const SolverBody& b = body_of(record.def.b, ctx.bodies, ground);
     const bool left = ctx.substep > 0 && (a.pushed || b.pushed);
-    const Displaced displaced(a, b);
+    const bool displaced = a.shared || b.shared;
     JointRows& rows = part.all.rows[k];
     node.lambda.fill(0.0);
     node.warm = false;
@@ -100,8 +100,7 @@ void begin(const JointPart& part) {
       double& residual = record.displacement_residual[i];
       residual = (record.in_part >> i & 1u) != 0
                      ? residual_of(axis, c[i])
-                     : residual_at_start(axis, c[i], residual, left && (i < 3 || !displaced.held),
-                                         displaced, ctx.h, kLeft);
+                     : residual_at_start(axis, c[i], residual, left, displaced, ctx.h, kLeft);
       rows.law[i] = force_law(axis, c[i], residual, ctx.h);
       if (axis.spring.frequency > 0.0) {
         tune_spring(rows.law[i], axis.spring, record.spring_mass[i], c[i], rate_of(rows, i, a, b),

@@ -144,7 +144,7 @@ TEST_CASE("car: its front turns in a circle of wheelbase / sin(steer), shared or
     last = now;
   });
   CHECK(std::copysign(1.0, turned) == std::copysign(1.0, steer));
-  CHECK(way / std::abs(turned) == Approx(def.wheelbase / std::sin(std::abs(steer))).epsilon(0.05));
+  CHECK(way / std::abs(turned) == Approx(def.wheelbase / std::sin(std::abs(steer))).epsilon(0.005));
 }
 
 TEST_CASE("car: errors name field, value and rule", "[car]") {

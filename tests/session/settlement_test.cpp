@@ -14,6 +14,7 @@
 #include "tandem/consensus/peer.h"
 #include "tandem/consensus/virtual_network.h"
 #include "tandem/pbd/math.h"
+#include "tandem/ragdoll.h"
 #include "tandem/scene.h"
 
 namespace tandem::settlement_test {
@@ -161,6 +162,30 @@ TEST_CASE("settlement: a heap of three peers comes to lie the same way, and slee
     if (seed > 1) continue;
     Table again(link, seed);
     CHECK(drop_heap(again, seed, kCubes) == digest);
+  }
+}
+
+TEST_CASE("settlement: ragdolls that two peers share lie still and sleep", "[session][regression]") {
+  // Three of these six once trembled for ever at 0.1 m/s, copies 2 mm apart.
+  for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    Table table({.latency = 0.0285, .jitter = 0.0014, .loss = 0.05}, seed);
+    std::vector<std::unique_ptr<Ragdoll>> dolls;
+    for (int peer = 0; peer < 2; ++peer) {
+      Site& site = table.add();
+      dolls.push_back(std::make_unique<Ragdoll>(
+          site.scene, RagdollDef{.pose = {.position = Vec3(0.0, 0.02 * seed, 1.2)}}));
+      for (const BodyId body : dolls.back()->bodies()) {
+        site.bodies.push_back(body);
+        const std::string name = "part" + std::to_string(site.bodies.size());
+        site.peer->share({.id = SharedId::from_name(name), .body = body});
+      }
+    }
+    table.run(14.0);
+    double way = 0.0;
+    for (std::size_t i = 0; i < Ragdoll::kParts; ++i) way = std::max(way, table.apart(i).first);
+    INFO("seed " << seed << ": " << 1e3 * way << " mm");
+    CHECK(way < 1e-3);
+    for (const auto& site : table.sites) CHECK(site->asleep() == 1.0);
   }
 }
 

@@ -86,7 +86,6 @@ class TANDEM_API DistanceJoint {
 
   Def def_;
   double lambda_ = 0.0;      ///< N s^2
-  double h_ = 0.0;           ///< s, of the last substep
   double c_start_ = 0.0;     ///< m, C at the start of the substep
   Vec3 r_a_ = Vec3::Zero();  ///< m, world, lever arms and direction at the start of the substep
   Vec3 r_b_ = Vec3::Zero();
