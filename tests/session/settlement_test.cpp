@@ -165,7 +165,8 @@ TEST_CASE("settlement: a heap of three peers comes to lie the same way, and slee
   }
 }
 
-TEST_CASE("settlement: ragdolls that two peers share lie still and sleep", "[session][regression]") {
+TEST_CASE("settlement: ragdolls that two peers share lie still and sleep",
+          "[session][regression]") {
   // Three of these six once trembled for ever at 0.1 m/s, copies 2 mm apart.
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     Table table({.latency = 0.0285, .jitter = 0.0014, .loss = 0.05}, seed);
