@@ -90,8 +90,6 @@ TEST_CASE("ragdoll: lies still and sleeps, however it fell", "[scene][invariant]
   }
 }
 
-// Contacts moved what joints turn by another inertia than their rows had: of this heap, which is
-// solved in turns, one step made 3e20 J of 29 kJ; in single turns others made up to 1.7 kJ of 32.
 /// Asks all parts to be where they lay when it began.
 struct WhereTheyLay final : pbd::TargetSource {
   void collect(const pbd::World&, double, const pbd::SolverOptions&,
@@ -133,6 +131,8 @@ TEST_CASE("ragdoll: lies as still with others who say that it lies there as with
   CHECK(with_others < std::max(2.0 * alone, 1e-3));
 }
 
+// Contacts moved what joints turn by another inertia than their rows had: of this heap, which is
+// solved in turns, one step made 3e20 J of 29 kJ; in single turns others made up to 1.7 kJ of 32.
 TEST_CASE("ragdoll: a heap of eighteen loses energy", "[scene][invariant][long]") {
   for (const double seed : {1.0, 2.3, 7.7}) {
     Scene scene;

@@ -30,8 +30,8 @@ constexpr double kCarried = 0.5;
 
 /// The state of another peer where its stamp lies between own frames: the difference to the own
 /// motion is carried to the frame. Tennis off the grid, profile 3, all p95: 6.3 mm, 20 without it.
-/// An owner's goes by its own velocity: in the own motion are the whole of the last corrections,
-/// which would be made again (tests/consensus/peer_owner_test.cpp, a chain).
+/// An owner's state is carried by its own velocity: the own motion contains the whole of the last
+/// correction, which would be made again (tests/consensus/peer_owner_test.cpp, a chain).
 pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
   const SessionTime time = history.frame(news.frame).time;
   if (time == news.stamp) return news.state;
