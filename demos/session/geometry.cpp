@@ -139,4 +139,15 @@ void append_penetrations(const Scene& scene, std::vector<double>& out) {
   }
 }
 
+std::string out_of_bounds(const Scene& scene, const Bounds& bounds) {
+  // Written so that NaN is out of all.
+  for (const SceneBody& body : scene.bodies) {
+    const pbd::BodyState& state = scene.world->state(body.body);
+    if (!(state.pose.position.norm() < bounds.max_distance)) return body.name + " is too far away";
+    if (state.pose.position.z() < bounds.lowest) return body.name + " fell through the ground";
+    if (!(state.twist.linear.norm() < bounds.max_speed)) return body.name + " is too fast";
+  }
+  return {};
+}
+
 }  // namespace tandem::demos

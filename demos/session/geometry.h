@@ -2,8 +2,11 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
+#include "scenes/scenario.h"
 #include "scenes/scene.h"
 #include "tandem/pbd/types.h"
 
@@ -25,5 +28,11 @@ double ground_overlap(const pbd::Pose& pose, const pbd::Vec3& half);
 /// Append the depth of every pair of bodies, and of every body and what is fixed, that overlap.
 /// Boxes, balls and half-spaces under z = 0 are looked at; other shapes are passed over.
 void append_penetrations(const Scene& scene, std::vector<double>& out);
+
+/// The first body that is where it must never be, and how; empty where all are within.
+std::string out_of_bounds(const Scene& scene, const Bounds& bounds);
+
+/// Steps between two looks at penetration and at Scenario::fault.
+inline constexpr std::uint64_t kLookEvery = 5;
 
 }  // namespace tandem::demos

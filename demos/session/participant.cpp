@@ -20,8 +20,6 @@ namespace tandem::demos {
 
 namespace {
 
-constexpr std::uint64_t kLookEvery = 5;  // steps between two looks at penetration and faults
-
 /// Who alone moves the body; nobody where all do.
 std::optional<consensus::PeerId> owner_of(const DemoOptions& options, const SceneBody& body) {
   if (!body.owner) return std::nullopt;
@@ -323,16 +321,7 @@ void Participant::look_at_springs(consensus::SessionTime now) {
 
 void Participant::watch(consensus::SessionTime now, const pbd::StepReport& report) {
   if (report.status != pbd::StepStatus::Ok) set_fault(now, "a body became NaN or infinite");
-  for (const SceneBody& body : scene_.bodies) {
-    const pbd::BodyState& state = scene_.world->state(body.body);
-    if (!(state.pose.position.norm() < bounds_.max_distance)) {
-      set_fault(now, body.name + " is too far away");
-    } else if (state.pose.position.z() < bounds_.lowest) {
-      set_fault(now, body.name + " fell through the ground");
-    } else if (!(state.twist.linear.norm() < bounds_.max_speed)) {
-      set_fault(now, body.name + " is too fast");
-    }
-  }
+  if (const std::string out = out_of_bounds(scene_, bounds_); !out.empty()) set_fault(now, out);
   if (referee_) referee_->watch(scene_, seconds_of(now - epoch_));
   if (steps_ % kLookEvery != 0) return;
   if (const std::string fault = scenario_.fault(scene_); !fault.empty()) set_fault(now, fault);

@@ -65,6 +65,8 @@ class Participant final : private consensus::PeerObserver {
   bool holds(std::size_t body, const pbd::Vec3& attachment_l) const;
   const consensus::Peer& peer() const { return *peer_; }
   double step_hz() const { return record_.step_hz; }
+  /// s, of all steps so far, as in the record.
+  double cpu_s() const { return record_.cpu_s; }
   const std::string& fault() const { return record_.fault; }
   /// Whether an update of another peer has come.
   bool has_exchanged() const { return record_.first_exchange != INT64_MAX; }
