@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "rollback/wire.h"
+#include "scenes/scenario.h"
+#include "tandem/pbd/bytes.h"
+#include "tandem/pbd/solver.h"
+#include "tandem/pbd/tether.h"
+#include "tandem/pbd/world_copy.h"
+
+namespace tandem::rollback_bench {
+
+inline constexpr double kFrameHz = 60.0;
+/// ns, session time at which a frame begins.
+consensus::SessionTime frame_time(std::int64_t frame);
+/// s, how long that frame takes.
+double frame_duration(std::int64_t frame);
+
+/// A world that is a function of all peers' inputs: the same inputs, the same bits.
+/// @par Thread safety  One object: one thread at a time.
+class Replica {
+ public:
+  /// What the next frame depends on beside the world.
+  struct Carried {
+    struct Spring {
+      std::uint32_t peer = 0, user = 0, number = 0;
+      pbd::ConstraintId row;
+      pbd::Vec3 velocity = pbd::Vec3::Zero();  ///< m/s, of the hand, smoothed as consensus::Peer's
+      pbd::Vec3 anchor = pbd::Vec3::Zero();    ///< m, where the hand last said it is
+      std::int64_t moved = 0;                  ///< frame
+    };
+    struct Driven {
+      std::uint32_t peer = 0, user = 0, body = 0;
+      std::array<double, 7> values = {};  ///< as in the input
+      std::int64_t moved = 0;             ///< frame
+    };
+    std::vector<Spring> springs;
+    std::vector<Driven> driven;
+    std::vector<demos::Signal> pending;  ///< whose time has not come
+  };
+  /// The beginning of a frame; its memory serves again.
+  struct Saved {
+    pbd::WorldCopy world;
+    Carried carried;
+  };
+
+  Replica(const demos::Scenario& scenario, const pbd::SolverOptions& options);
+
+  void save(Saved& out) const;
+  void restore(const Saved& saved);
+  /// The same for another process. @throws as World::restore
+  std::vector<std::byte> snapshot() const;
+  void restore(pbd::ByteReader& in);
+
+  /// What a peer is taken to do in a frame of which its input is not known: all hands that moved in
+  /// the frame before it are where they were, or go on.
+  Inputs predict(std::uint32_t peer, std::int64_t frame, bool go_on) const;
+  /// What a peer does in this frame; to be called for all, in the same order everywhere.
+  void apply(std::uint32_t peer, std::int64_t frame, const Inputs& inputs);
+  void step(std::int64_t frame);
+
+  const demos::Scene& scene() const { return scene_; }
+  std::uint64_t hash() const { return scene_.world->hash(); }
+
+ private:
+  void play(std::uint32_t peer, std::int64_t frame, const demos::Input& input);
+  pbd::BodyId body(const demos::Input& input) const { return scene_.bodies.at(input.body).body; }
+  Carried::Spring* find(std::uint32_t peer, const demos::Input& input);
+
+  const demos::Scenario& scenario_;
+  demos::Scene scene_;
+  pbd::Tethers* tethers_;
+  pbd::Solver solver_;
+  Carried carried_;
+};
+
+}  // namespace tandem::rollback_bench
