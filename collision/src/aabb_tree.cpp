@@ -47,33 +47,34 @@ std::uint32_t AabbTree::prepare(const Aabb& box, std::uint32_t value) {
   return leaf;
 }
 
-void AabbTree::link_all(std::span<std::uint32_t> leaves) {
+void AabbTree::link_all(std::span<const std::uint32_t> leaves) {
   if (leaves.size() >= kMany && kShare * 2 * leaves.size() >= nodes_.size()) {
-    link(join(leaves));
+    nodes_.reserve(nodes_.size() + leaves.size());
+    std::vector<Middle> middles;
+    middles.reserve(leaves.size());
+    for (const std::uint32_t leaf : leaves) {
+      middles.push_back({nodes_[leaf].box.min + nodes_[leaf].box.max, leaf});
+    }
+    link(join(middles));
     return;
   }
   for (const std::uint32_t leaf : leaves) link(leaf);
 }
 
 /// Halves along the longest way between their middles.
-std::uint32_t AabbTree::join(std::span<std::uint32_t> leaves) {
-  if (leaves.size() == 1) return leaves[0];
-  const auto middle = [&](std::uint32_t leaf) {
-    return pbd::Vec3(nodes_[leaf].box.min + nodes_[leaf].box.max);
-  };
-  Aabb middles{middle(leaves[0]), middle(leaves[0])};
-  for (const std::uint32_t leaf : leaves) {
-    middles = {middles.min.cwiseMin(middle(leaf)), middles.max.cwiseMax(middle(leaf))};
+std::uint32_t AabbTree::join(std::span<Middle> leaves) {
+  if (leaves.size() == 1) return leaves[0].leaf;
+  Aabb middles{leaves[0].at, leaves[0].at};
+  for (const Middle& leaf : leaves) {
+    middles = {middles.min.cwiseMin(leaf.at), middles.max.cwiseMax(leaf.at)};
   }
   int axis = 0;
   (middles.max - middles.min).maxCoeff(&axis);
   const std::size_t half = leaves.size() / 2;
-  const auto place = [&](std::uint32_t leaf) {
-    const Aabb& box = nodes_[leaf].box;
-    return std::pair(box.min[axis] + box.max[axis], leaf);
-  };
   std::nth_element(leaves.begin(), leaves.begin() + static_cast<std::ptrdiff_t>(half), leaves.end(),
-                   [&](std::uint32_t l, std::uint32_t r) { return place(l) < place(r); });
+                   [&](const Middle& l, const Middle& r) {
+                     return std::pair(l.at[axis], l.leaf) < std::pair(r.at[axis], r.leaf);
+                   });
   const std::uint32_t first = join(leaves.first(half));
   const std::uint32_t second = join(leaves.subspan(half));
   const std::uint32_t parent = take_node();

@@ -21,8 +21,8 @@ class AabbTree {
   /// A leaf that is in the tree once link_all() was called: of many at once it makes a better tree,
   /// in less time.
   std::uint32_t prepare(const Aabb& box, std::uint32_t value);
-  /// @param leaves  handles of prepare(); left in another order
-  void link_all(std::span<std::uint32_t> leaves);
+  /// @param leaves  handles of prepare()
+  void link_all(std::span<const std::uint32_t> leaves);
   void remove(std::uint32_t leaf);
   /// The same handle with another box.
   void move(std::uint32_t leaf, const Aabb& box);
@@ -97,8 +97,13 @@ class AabbTree {
   std::uint32_t take_node();
   void free_node(std::uint32_t index);
   void link(std::uint32_t leaf);
+  /// A leaf and the middle of its box, twice.
+  struct Middle {
+    pbd::Vec3 at;
+    std::uint32_t leaf;
+  };
   /// @return the root of a tree of its own
-  std::uint32_t join(std::span<std::uint32_t> leaves);
+  std::uint32_t join(std::span<Middle> leaves);
   void unlink(std::uint32_t leaf);
   std::uint32_t best_sibling(const Aabb& box) const;
   void refit(std::uint32_t index, bool improve);

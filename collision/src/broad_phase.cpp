@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "give_back.h"
+
 namespace tandem::collision {
 namespace {
 
@@ -128,7 +130,7 @@ ColliderPair& BroadPhase::append_pair(std::uint32_t low, std::uint32_t high) {
 
 bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
   const double margin = std::min(kAabbMargin, kMarginShare * c.size);
-  const Vec3 ahead = (kAhead * c.motion.span) * c.motion.twist.linear;
+  const Vec3 ahead = (kAhead * c.motion().span) * c.motion().twist.linear;
   if (placed(index) && fat(index).contains(c.needed)) {
     const Vec3 slack = (fat(index).max - fat(index).min) - (c.needed.max - c.needed.min);
     if (slack.maxCoeff() <= kShrink * margin + 2.0 * ahead.cwiseAbs().maxCoeff()) return false;
@@ -148,7 +150,7 @@ bool BroadPhase::in_reach(const Collider& plane, const Aabb& fat, double dt) con
   const Vec3 n = plane.plane_normal();
   const Vec3 middle = 0.5 * (fat.min + fat.max);
   const Vec3 half = 0.5 * (fat.max - fat.min);
-  const double turning = plane.motion.twist.angular.norm() * dt *
+  const double turning = plane.motion().twist.angular.norm() * dt *
                          ((middle - plane.body.position).norm() + half.norm());
   // Its own share of the margins, as `needed` has for the others.
   const double own =
@@ -175,10 +177,12 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
                         std::span<const std::uint32_t> watched, double dt, pbd::Workers& workers) {
   moved_.clear();
   found_.clear();
+  give_back(moved_, watched.size());
   release(found_, pairs_.size());
   if (has_moved_.size() < colliders.size()) has_moved_.resize(colliders.size(), 0);
   for (const std::uint32_t i : flagged_) has_moved_[i] = 0;
   flagged_.clear();
+  give_back(flagged_, watched.size());
   const auto flag = [&](std::uint32_t i) {
     has_moved_[i] = 1;
     flagged_.push_back(i);
@@ -198,8 +202,8 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
       // The length of the step is of no matter to one that stands.
       const Aabb plane{c.plane_normal(), Vec3(c.plane_offset(), c.travel_within(dt), 0.0)};
       const Aabb before = fat_box(i);
-      const bool still =
-          plane.min == before.min && plane.max == before.max && c.motion.twist.angular.isZero(0.0);
+      const bool still = plane.min == before.min && plane.max == before.max &&
+                         c.motion().twist.angular.isZero(0.0);
       plane_moves = plane_moves || !still;
       remember_plane(i, plane);
     } else if (!(c.still && placed(i)) && refit(i, c)) {

@@ -91,8 +91,8 @@ Aabb bounds_of(const Collider& c) {
 
 double Collider::travel_within(double dt) const {
   // A half-space reaches everywhere: its turning is accounted for pair by pair.
-  const double turning = is_half_space() ? 0.0 : motion.twist.angular.norm() * reach;
-  return (motion.twist.linear.norm() + turning) * dt;
+  const double turning = is_half_space() ? 0.0 : motion().twist.angular.norm() * reach;
+  return (motion().twist.linear.norm() + turning) * dt;
 }
 
 ConvexCore Collider::core(const Vec3& origin) const {
@@ -162,8 +162,8 @@ void put_in_order(std::span<Collider> colliders, const pbd::BodyOrder& order) {
 bool same_state(const Collider& c, const pbd::BodyState& state) {
   return state.pose.position == c.body.position &&
          state.pose.orientation.coeffs() == c.body.orientation.coeffs() &&
-         state.twist.linear == c.motion.twist.linear &&
-         state.twist.angular == c.motion.twist.angular;
+         state.twist.linear == c.motion().twist.linear &&
+         state.twist.angular == c.motion().twist.angular;
 }
 
 void update_collider(Collider& c, const pbd::World& world, double dt) {
@@ -179,28 +179,34 @@ void update_collider(Collider& c, const pbd::World& world, double dt) {
     c.still = true;
     return;
   }
-  c.dynamic = world.all_props()[c.def.body.index].type == pbd::BodyType::Dynamic;
-  const bool unchanged = c.motion.span > 0.0 && c.finite && same_state(c, state);
+  const pbd::BodyType type = world.all_props()[c.def.body.index].type;
+  c.dynamic = type == pbd::BodyType::Dynamic;
+  const bool unchanged = c.finite && same_state(c, state);
   const bool at_rest = state.twist.linear.isZero(0.0) && state.twist.angular.isZero(0.0);
   c.asleep = asleep && at_rest && c.dynamic;
   c.still = unchanged && at_rest;
-  if (c.still || (unchanged && c.motion.span == dt)) return;
-  c.motion.span = dt;
+  const bool goes = type != pbd::BodyType::Static || !at_rest || c.own_motion.get() != nullptr;
+  const bool known = c.own_motion.get() != nullptr || !goes;
+  if (known && (c.still || (unchanged && c.motion().span == dt))) return;
   c.body = state.pose;
-  c.motion.twist = state.twist;
   c.rotation = state.pose.orientation.toRotationMatrix();
   if (!c.local_identity) c.rotation *= c.local_rotation();
   c.position = c.local_identity ? state.pose.position : state.pose.to_world(c.def.local.position);
-  c.motion.turn = c.motion.twist.angular.norm() * dt;
-  c.motion.travel = c.travel_within(dt);
-  c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(c.motion.travel);
+  if (goes) {
+    ColliderMotion& motion = c.own_motion.made();
+    motion.twist = state.twist;
+    motion.span = dt;
+    motion.turn = motion.twist.angular.norm() * dt;
+    motion.travel = c.travel_within(dt);
+  }
+  c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(c.motion().travel);
   c.asleep = c.asleep && c.finite;
   if (!c.finite || c.is_half_space()) return;
   // Where it is now, where it will be, and what turning may add on the way.
-  const Vec3 sweep = dt * c.motion.twist.linear;
+  const Vec3 sweep = dt * c.motion().twist.linear;
   // Of the margins half: a pair's is the smaller one of two.
   const Aabb bounds = bounds_of(c).expanded(0.5 * (c.margins.speculative + c.margins.recycle) +
-                                            c.motion.turn * c.reach);
+                                            c.motion().turn * c.reach);
   c.needed = {bounds.min + sweep.cwiseMin(0.0), bounds.max + sweep.cwiseMax(0.0)};
 }
 

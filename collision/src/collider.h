@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "convex_core.h"
@@ -23,6 +24,44 @@ enum class Kind : std::uint8_t {
   Grid,
   HalfSpace,
 };
+
+/// How a collider goes in a step.
+struct ColliderMotion {
+  double turn = 0.0;    ///< rad, that it turns within the step
+  double travel = 0.0;  ///< m that any point of it moves at most within the step
+  pbd::Twist twist;     ///< of the body
+  double span = 0.0;    ///< s, the step that these are for
+};
+
+/// No memory until it is asked for: a level has a million colliders that never move.
+class OwnMotion {
+ public:
+  OwnMotion() = default;
+  OwnMotion(const OwnMotion& other) { *this = other; }
+  OwnMotion(OwnMotion&&) noexcept = default;
+  ~OwnMotion() = default;
+  OwnMotion& operator=(const OwnMotion& other) {
+    if (other.own_ == nullptr) {
+      own_.reset();
+    } else {
+      made() = *other.own_;
+    }
+    return *this;
+  }
+  OwnMotion& operator=(OwnMotion&&) noexcept = default;
+
+  /// Null: it has never moved.
+  const ColliderMotion* get() const { return own_.get(); }
+  ColliderMotion& made() {
+    if (own_ == nullptr) own_ = std::make_unique<ColliderMotion>();
+    return *own_;
+  }
+
+ private:
+  std::unique_ptr<ColliderMotion> own_;
+};
+
+inline const ColliderMotion kNoMotion;
 
 /// A collider and what follows from it once and in each step. What the loop over pairs looks at
 /// comes first and together: there are many more pairs than fit into the nearest memory.
@@ -57,15 +96,11 @@ struct Collider {
   };
   Margins margins;
   // In each step.
-  struct Motion {
-    double turn = 0.0;    ///< rad, that it turns within the step
-    double travel = 0.0;  ///< m that any point of it moves at most within the step
-    pbd::Twist twist;     ///< of the body
-    double span = 0.0;    ///< s, the step that these are for
-  };
-  Motion motion;
-  Vec3 position = Vec3::Zero();      ///< m, of the shape
-  pbd::Pose body;                    ///< pose of the body
+  OwnMotion own_motion;  ///< none of what is static
+  const ColliderMotion& motion() const { return own_motion.get() ? *own_motion.get() : kNoMotion; }
+  Vec3 position = Vec3::Zero();  ///< m, of the shape
+  /// Pose of the body; at first none that a body has.
+  pbd::Pose body{Vec3::Zero(), pbd::Quat(0.0, 0.0, 0.0, 0.0)};
   Mat3 rotation = Mat3::Identity();  ///< of the shape, to world
 
   std::uint64_t added = 0;  ///< how many were added before it

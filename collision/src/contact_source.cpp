@@ -142,6 +142,8 @@ CollisionScene& CollisionScene::operator=(CollisionScene&& other) noexcept {
   return *this;
 }
 
+void CollisionScene::reserve(std::size_t colliders) { impl_->colliders.reserve(colliders); }
+
 ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) {
   Impl& m = *impl_;
   check_def(world, def);

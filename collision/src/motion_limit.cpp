@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core_cast.h"
+#include "give_back.h"
 #include "inner_core.h"
 #include "motion_path.h"
 #include "tandem/pbd/contact.h"
@@ -40,7 +41,7 @@ bool is_thin(const Collider& target, const Collider& collider) {
 }
 
 bool may_be_limited(const Collider& c, std::size_t bodies) {
-  return c.alive && c.active() && c.finite && c.is_convex() && c.motion.span > 0.0 &&
+  return c.alive && c.active() && c.finite && c.is_convex() && c.motion().span > 0.0 &&
          c.def.body.index < bodies;
 }
 
@@ -71,13 +72,18 @@ double turned_squared(const Collider& c, const pbd::Pose& to) {
 /// rad, likewise.
 double turned(const Collider& c, const pbd::Pose& to) { return std::sqrt(turned_squared(c, to)); }
 
+bool is_static(const Collider& c, const pbd::World& world) {
+  return world.all_props()[c.def.body.index].type == pbd::BodyType::Static;
+}
+
 /// m, how far any point of what cannot be pushed moves in this step, at most.
 double fastest_obstacle(std::span<const Collider> colliders, std::span<const std::uint32_t> watched,
-                        std::span<const pbd::Pose> after) {
+                        const pbd::World& world, std::span<const pbd::Pose> after) {
   double fastest = 0.0;
   for (const std::uint32_t i : watched) {
     const Collider& c = colliders[i];
     if (!c.alive || c.dynamic || !c.finite || c.def.body.index >= after.size()) continue;
+    if (is_static(c, world)) continue;
     const pbd::Pose& end = after[c.def.body.index];
     const double round = c.is_convex() ? turned(c, end) * c.reach : 0.0;
     fastest = std::max(fastest, (end.position - c.body.position).norm() + round);
@@ -96,7 +102,9 @@ struct MotionLimiter::Step {
   std::span<const std::uint8_t> pace;     ///< by collider: from kPaceIdle to kPaceSwift
   std::span<const std::uint8_t> chained;  ///< by body slot
 
-  const pbd::Pose& end(const Collider& c) const { return after[c.def.body.index]; }
+  const pbd::Pose& end(const Collider& c) const {
+    return is_static(c, world) ? c.body : after[c.def.body.index];
+  }
   bool meet(const Collider& a, const Collider& b) const { return broad.meet(a, b); }
   /// Whether it stops where its surface meets something. What is chained does not: the others
   /// would go on and tear at it.
@@ -104,7 +112,7 @@ struct MotionLimiter::Step {
     return pace[i] >= kPaceFast && chained[colliders[i].def.body.index] == 0;
   }
   MotionPath path(const Collider& c) const {
-    if (!is_round(c)) return {c.body, end(c), c.motion.twist, c.motion.span};
+    if (!is_round(c)) return {c.body, end(c), c.motion().twist, c.motion().span};
     // What it spins about its own axis is not seen: a rolling rod keeps its axis level.
     const Vec3 axis = axis_of(c, c.body);
     const Vec3 then = axis_of(c, end(c));
@@ -115,9 +123,9 @@ struct MotionLimiter::Step {
       const double angle = pbd::portable::atan2(sine, axis.dot(then));
       to.orientation = pbd::exp_map(angle / sine * across) * to.orientation;
     }
-    pbd::Twist twist = c.motion.twist;
+    pbd::Twist twist = c.motion().twist;
     twist.angular -= axis.dot(twist.angular) * axis;
-    return {c.body, to, twist, c.motion.span};
+    return {c.body, to, twist, c.motion().span};
   }
 };
 
@@ -373,7 +381,8 @@ void MotionLimiter::find(std::span<Collider> colliders, std::span<const std::uin
   if (pace_.size() < colliders.size()) pace_.resize(colliders.size(), kPaceIdle);
   for (const std::uint32_t i : paced_) pace_[i] = kPaceIdle;
   paced_.assign(watched.begin(), watched.end());
-  const double fastest = fastest_obstacle(colliders, watched, after);
+  give_back(paced_, watched.size());
+  const double fastest = fastest_obstacle(colliders, watched, world, after);
   workers.for_chunks(watched.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = watched[k];

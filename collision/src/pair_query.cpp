@@ -249,14 +249,14 @@ PairReach reach_of(const QueryPair& pair, double dt) {
   PairReach reach;
   reach.speculative = std::min(a.margins.speculative, b.margins.speculative);
   reach.recycle = std::min(a.margins.recycle, b.margins.recycle);
-  reach.sweep = dt * (b.motion.twist.linear - a.motion.twist.linear);
+  reach.sweep = dt * (b.motion().twist.linear - a.motion().twist.linear);
   double sweep2 = pbd::dot(reach.sweep, reach.sweep);
   // The contact lies on both, so it is no further from one than the way over the other.
   const double distance = (b.body.position - a.body.position).norm();
   const double arm_a = std::min(a.reach, distance + b.reach);
   const double arm_b = std::min(b.reach, distance + a.reach);
-  const double turning_a = a.motion.turn * arm_a;
-  const double turning_b = b.motion.turn * arm_b;
+  const double turning_a = a.motion().turn * arm_a;
+  const double turning_b = b.motion().turn * arm_b;
   reach.turning = turning_a + turning_b;
   const auto is_ball = [](const Collider& c) { return c.kind == Kind::Sphere && c.local_identity; };
   const double seen = (is_ball(a) ? 0.0 : turning_a) + (is_ball(b) ? 0.0 : turning_b);
@@ -264,7 +264,7 @@ PairReach reach_of(const QueryPair& pair, double dt) {
   if (a.dynamic && b.dynamic) {
     const double most = kAlone * std::min(a.size, b.size);
     const auto alone = [&](const Collider& c, Vec3& way) {
-      way = dt * c.motion.twist.linear;
+      way = dt * c.motion().twist.linear;
       const double way2 = pbd::dot(way, way);
       if (way2 > most * most) way *= most / std::sqrt(way2);
       sweep2 = std::max(sweep2, std::min(way2, most * most));

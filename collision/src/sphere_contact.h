@@ -25,7 +25,7 @@ inline bool has_sphere_contact(Kind kind) {
 inline bool spheres_apart(const Collider& a, const Collider& b) {
   const double reach = 0.5 * (a.size + b.size) +
                        std::min(a.margins.speculative, b.margins.speculative) +
-                       (a.motion.travel + b.motion.travel);
+                       (a.motion().travel + b.motion().travel);
   constexpr double kRounding = 1.0 + 1e-12;
   return (b.position - a.position).squaredNorm() > kRounding * (reach * reach);
 }

@@ -93,6 +93,8 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   CollisionScene(CollisionScene&&) noexcept;
   CollisionScene& operator=(CollisionScene&&) noexcept;
 
+  /// Make room for so many colliders in all, before a large scene is built.
+  void reserve(std::size_t colliders);
   /// @throws std::invalid_argument  naming field, value and rule; the scene is then unchanged
   ColliderId add(const pbd::World& world, const ColliderDef& def);
   /// @throws std::invalid_argument where the id names no collider
@@ -144,7 +146,7 @@ class TANDEM_API CollisionScene : public pbd::ContactSource {
   /// bodies that rows hold to other movable ones, and all that meets a mesh, height field or
   /// half-space have the ball in their middle cast instead. Where the step began is where the last
   /// collect() saw the bodies.
-  /// @param after   poses at the end of the step, by body slot
+  /// @param after   poses at the end of the step, by body slot; those of static bodies are not read
   /// @param limits  set to the bodies that have to stop on the way, ascending, each once
   /// Allocates only where `limits` or scratch grow.
   void limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
