@@ -92,21 +92,39 @@ void BodyBuffer::load(World& world, Workers& workers) {
   }
   bodies_.resize(count);
   kinematic_.clear();
-  const auto load = [&](std::uint32_t i) {
-    load_body(world.states_[i], world.props_[i], bodies_[i]);
-    bodies_[i].island = i;
+  loaded_.resize(count);
+  const auto renew = [&](std::uint32_t i) {
+    if (i < count && loaded_[i] != 0) load_one(world, i);
   };
-  changed_.swap(marked_);
+  std::for_each(marked_.begin(), marked_.end(), renew);
   marked_.clear();
-  all_ = !world.body_log_.read(seen_, [&](std::uint32_t i) { changed_.push_back(i); });
-  if (all_) changed_.clear();
-  for_changed(load);
+  if (!world.body_log_.read(seen_, renew)) {
+    for (std::uint32_t i = 0; i < count; ++i) renew(i);
+  }
   workers.for_chunks(movers_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) load(movers_[k]);
+    for (std::size_t k = begin; k < end; ++k) load_one(world, movers_[k]);
   });
   for (const std::uint32_t i : movers_) {
     if (world.props_[i].type == BodyType::Kinematic) kinematic_.push_back(i);
   }
+}
+
+void BodyBuffer::load_one(const World& world, std::uint32_t i) {
+  load_body(world.states_[i], world.props_[i], bodies_[i]);
+  bodies_[i].island = i;
+  loaded_[i] = 1;
+}
+
+void BodyBuffer::load_named(const World& world, const ConstraintEdges& edges) {
+  for (const ConstraintEdge& edge : edges.all()) {
+    load_once(world, edge.body_a);
+    load_once(world, edge.body_b);
+  }
+  for (const std::uint32_t i : edges.idle()) load_once(world, i);
+}
+
+void BodyBuffer::load_named(const World& world, std::span<const PoseTarget> targets) {
+  for (const PoseTarget& target : targets) load_once(world, target.body.index);
 }
 
 void BodyBuffer::mark_joined(const ConstraintEdges& edges) {

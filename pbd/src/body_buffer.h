@@ -9,7 +9,9 @@
 #include "constraint_edges.h"
 #include "groups.h"
 #include "tandem/pbd/constraint.h"
+#include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/report.h"
+#include "tandem/pbd/sparse_array.h"
 #include "tandem/pbd/workers.h"
 #include "tandem/pbd/world.h"
 
@@ -30,17 +32,13 @@ class BodyBuffer {
   void note_rest(World& world, double dt, bool still, bool may_rest);
   /// The next step is a whole one.
   void end_rest() { rest_.steps = 0; }
-  /// Movers anew in each step; the rest where it has changed.
+  /// Movers anew in each step; of the rest what was here and has changed.
   void load(World& world, Workers& workers);
+  // What does not move is here from the first step on in which something names it.
+  void load_named(const World& world, const ConstraintEdges& edges);
+  void load_named(const World& world, std::span<const PoseTarget> targets);
   /// Bodies that may move, ascending; all of them where islands go on in other worlds.
   std::span<const std::uint32_t> movers() const { return movers_; }
-  /// Call visit(slot) for those that load() has loaded besides.
-  void for_changed(auto&& visit) const {
-    if (all_) {
-      for (std::uint32_t i = 0; i < bodies_.size(); ++i) visit(i);
-    }
-    for (const std::uint32_t i : changed_) visit(i);
-  }
   /// Which bodies have joints, and which ones rows that are solved later may move.
   void mark_joined(const ConstraintEdges& edges);
   /// Once it is known who is awake, joined and targeted: inertia of those that may turn.
@@ -82,11 +80,16 @@ class BodyBuffer {
 
  private:
   void mark_turned(const World& world, std::span<const ConstraintEdge> edges);
+  void load_one(const World& world, std::uint32_t i);
+  void load_once(const World& world, std::uint32_t i) {
+    if (i < bodies_.size() && loaded_[i] == 0) load_one(world, i);
+  }
   static void refuse(World& world, std::uint32_t i, StepReport& report);
   void store_kinematic(World& world, double dt, StepReport& report);
   static void mark_contacts(World& world);
 
-  std::vector<SolverBody> bodies_;
+  detail::SparseArray<SolverBody> bodies_;
+  detail::SparseArray<std::uint8_t> loaded_;  ///< by slot: the body is here, and kept up to date
   std::span<const std::uint32_t> movers_;
   std::vector<std::uint32_t> every_slot_;  ///< where those are all
   struct {
@@ -94,9 +97,7 @@ class BodyBuffer {
     int steps = 0;        ///< in which nobody was awake and nothing was noted
     double dt = 0.0;      ///< s, of each
   } rest_;
-  BodyLog::Mark seen_;  ///< of what does not move
-  bool all_ = false;    ///< everything was loaded
-  std::vector<std::uint32_t> changed_;
+  BodyLog::Mark seen_;                 ///< of what does not move
   std::vector<std::uint32_t> marked_;  ///< bodies that cannot move and bear marks of this step
   struct KeptInertia {
     Mat3 inverse;

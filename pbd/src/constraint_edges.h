@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -21,22 +22,27 @@ class ConstraintEdges {
  public:
   void list(const World& world) {
     edges_.clear();
+    idle_.clear();
     projecting_ = 0;
     for (const auto& block : world.blocks()) {
       if (block.get() == world.contacts()) continue;
       block->append_edges(edges_);
+      block->append_idle(idle_);
       if (!is_last(*block)) projecting_ = edges_.size();
     }
     contacts_ = edges_.size();
     if (world.contacts() != nullptr) world.contacts()->append_edges(edges_);
   }
   std::span<const ConstraintEdge> all() const { return edges_; }
+  /// Bodies of rows that are not active.
+  std::span<const std::uint32_t> idle() const { return idle_; }
   /// Of the blocks that project poses: those before contacts, which come first.
   std::span<const ConstraintEdge> projecting() const { return all().first(projecting_); }
   std::span<const ConstraintEdge> without_contacts() const { return all().first(contacts_); }
 
  private:
   std::vector<ConstraintEdge> edges_;
+  std::vector<std::uint32_t> idle_;
   std::size_t projecting_ = 0;
   std::size_t contacts_ = 0;
 };

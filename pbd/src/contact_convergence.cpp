@@ -88,7 +88,7 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, const Cont
     return *std::max_element(each.change.begin(), each.change.end()) <= rule.tolerance;
   };
   if (rule.rows == 0 || std::all_of(rows.begin(), rows.end(), solved)) return outcome;
-  moved_.resize(bodies.size(), 0.0f);
+  moved_.resize(bodies.size());
   ends_.clear();
   for (const ContactRows& each : rows) {
     for (std::size_t i = 0; i < each.count; ++i) moved_[each.a[i]] = moved_[each.b[i]] = 0.0f;

@@ -9,6 +9,7 @@
 
 #include "contact_order.h"
 #include "contact_row.h"
+#include "tandem/pbd/sparse_array.h"
 
 namespace tandem::pbd {
 
@@ -65,10 +66,10 @@ class ContactConvergence {
   /// Share out the open blocks, level by level.
   void plan(const ContactOrder& order, std::uint32_t group);
 
-  std::vector<float> moved_;        ///< m/s, by body: largest change of a row since it was swept
-  std::vector<Ends> ends_;          ///< by block of the group
-  std::vector<Open> open_;          ///< by ascending block
-  SweepPlan plan_;                  ///< of indices into open_
+  detail::SparseArray<float> moved_;  ///< m/s, by body: largest change of a row since it was swept
+  std::vector<Ends> ends_;            ///< by block of the group
+  std::vector<Open> open_;            ///< by ascending block
+  SweepPlan plan_;                    ///< of indices into open_
   std::array<int, 256> octaves_{};  ///< rows of open blocks by the exponent of how much they moved
 };
 

@@ -8,6 +8,7 @@
 
 #include "contact_order.h"
 #include "contact_row.h"
+#include "tandem/pbd/sparse_array.h"
 
 namespace tandem::pbd {
 
@@ -48,11 +49,12 @@ class ContactImpacts {
 
   bool any_ = false;  ///< some row bounces in this substep
   double slow_ = 0.0;
-  std::vector<Blow> blows_;          ///< by block
-  std::vector<Twist> before_;        ///< by body
-  std::vector<double> reached_;      ///< m/s, by body: fastest approach in open rows; 0, in none
-  std::vector<std::uint8_t> moved_;  ///< by body: in this round
-  std::vector<Open> open_;           ///< by ascending block
+  std::vector<Blow> blows_;            ///< by block
+  detail::SparseArray<Twist> before_;  ///< by body
+  detail::SparseArray<double>
+      reached_;  ///< m/s, by body: fastest approach in open rows; 0, in none
+  detail::SparseArray<std::uint8_t> moved_;  ///< by body: in this round
+  std::vector<Open> open_;                   ///< by ascending block
 };
 
 }  // namespace tandem::pbd

@@ -8,6 +8,7 @@
 
 #include "contact_rows.h"
 #include "contact_support.h"
+#include "tandem/pbd/sparse_array.h"
 #include "tandem/pbd/workers.h"
 
 namespace tandem::pbd {
@@ -73,7 +74,7 @@ class ContactOrder {
   std::vector<std::uint32_t> places_;
   std::size_t groups_ = 0;
   std::vector<SweepPlan> plans_;  ///< by group
-  std::vector<std::uint32_t> level_of_body_;
+  detail::SparseArray<std::uint32_t> level_of_body_;
   std::vector<std::uint32_t> slots_;  ///< by contact: group, level and kind, an index into starts_
   std::vector<std::uint32_t> starts_;
   std::vector<std::uint32_t> level_count_;     ///< by group

@@ -40,7 +40,7 @@ int ContactRefinement::want(std::span<const Contact> contacts,
   const std::size_t places = ctx.order.natural() ? ctx.movers.size() : ctx.bodies.size();
   for (std::uint32_t n = 0; n < places; ++n) {
     const SolverBody& body = ctx.bodies[ctx.order.natural() ? ctx.movers[n] : ctx.order.slot(n)];
-    if (body.group == SolverBody::kNoGroup) continue;
+    if (!body.is_solved()) continue;
     Load& island = loads_[body.island];
     island.speed2 += body.v.squaredNorm();
     ++island.bodies;

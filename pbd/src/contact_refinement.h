@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tandem/pbd/contact.h"
+#include "tandem/pbd/sparse_array.h"
 
 namespace tandem::pbd {
 
@@ -29,7 +30,7 @@ class ContactRefinement {
     double for_size = 0.0;  ///< substeps that its smallest body wants
     double wanted = 0.0;    ///< substeps
   };
-  std::vector<Load> loads_;  ///< by the index of the island's lowest body
+  detail::SparseArray<Load> loads_;  ///< by the index of the island's lowest body
 };
 
 }  // namespace tandem::pbd

@@ -8,6 +8,7 @@
 
 #include "contact_support.h"
 #include "tandem/pbd/contact.h"
+#include "tandem/pbd/sparse_array.h"
 
 namespace tandem::pbd {
 
@@ -35,9 +36,9 @@ class ContactStatics {
   Rest rest_of(const Contact& contact, const ContactSupport& support) const;
 
   Vec3 up_ = Vec3::UnitZ();
-  std::vector<std::uint32_t> new_contacts_;  ///< contacts to guess, ascending by place
-  std::vector<double> missing_;              ///< N, by body: weight and load that nothing holds up
-  std::vector<std::uint32_t> count_;         ///< by body: contacts to guess that hold it up
+  std::vector<std::uint32_t> new_contacts_;   ///< contacts to guess, ascending by place
+  detail::SparseArray<double> missing_;       ///< N, by body: weight and load that nothing holds up
+  detail::SparseArray<std::uint32_t> count_;  ///< by body: contacts to guess that hold it up
 };
 
 }  // namespace tandem::pbd

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tandem/pbd/contact.h"
+#include "tandem/pbd/sparse_array.h"
 
 namespace tandem::pbd {
 
@@ -49,11 +50,11 @@ class ContactSupport {
 
   /// By body; kFixed where it cannot move, and everywhere between two calls.
   std::vector<std::uint32_t> group_;
-  std::vector<ContactLink> awake_;         ///< in sequence
-  std::vector<std::uint32_t> distance_;    ///< by body, in contacts from what cannot move
-  std::vector<std::uint32_t> first_;       ///< by mover, into neighbours_
-  std::vector<std::uint32_t> end_;         ///< likewise
-  std::vector<std::uint32_t> neighbours_;  ///< movable bodies in contact
+  std::vector<ContactLink> awake_;               ///< in sequence
+  detail::SparseArray<std::uint32_t> distance_;  ///< by body, in contacts from what cannot move
+  detail::SparseArray<std::uint32_t> first_;     ///< by mover, into neighbours_
+  detail::SparseArray<std::uint32_t> end_;       ///< likewise
+  std::vector<std::uint32_t> neighbours_;        ///< movable bodies in contact
   std::vector<std::uint32_t> queue_;
   std::vector<std::uint32_t> start_;  ///< by sum of distances, into places_
   std::vector<ContactLink> places_;

@@ -71,7 +71,7 @@ void stay_slow(BodyActivity& own, double dt, double sleep_after) {
 void Groups::arrange(const Rule& rule, const Islands& islands,
                      std::span<const std::uint32_t> movers, std::span<const std::uint32_t> changed,
                      std::span<const ConstraintEdge> edges, std::span<const PoseTarget> targets,
-                     std::span<const BodyProps> props, std::span<BodyActivity> activity,
+                     const PropsTable& props, std::span<BodyActivity> activity,
                      std::span<SolverBody> bodies) {
   movers_ = movers;
   const bool pushed = sum_islands(rule, islands, activity, bodies);
@@ -105,7 +105,7 @@ bool Groups::sum_islands(const Rule& rule, const Islands& islands,
     if (is_copy(copies, i)) continue;
     if (bodies[i].projected && bodies[i].pushed) joined_[bodies[i].island] = any_joined_ = true;
     IslandPart& island = islands_[bodies[i].island];
-    const bool awake = activity[i].awake || rule.sleep_after == 0.0;
+    const bool awake = !activity[i].asleep || rule.sleep_after == 0.0;
     island.awake = island.awake || awake || moves(bodies[i]);
     island.level_sum += activity[i].level;
     ++island.bodies;
@@ -135,7 +135,7 @@ void Groups::wake_islands(std::span<const std::uint32_t> changed,
   }
 }
 
-void Groups::form_groups(const Rule& rule, const Islands& islands, std::span<const BodyProps> props,
+void Groups::form_groups(const Rule& rule, const Islands& islands, const PropsTable& props,
                          std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   const std::size_t count = bodies.size();
   levels_.resize(count);
@@ -183,7 +183,7 @@ void Groups::form_groups(const Rule& rule, const Islands& islands, std::span<con
 }
 
 /// Each group's bodies, ascending, one group after the other.
-void Groups::fill_groups(const Islands& islands, std::span<const BodyProps> props,
+void Groups::fill_groups(const Islands& islands, const PropsTable& props,
                          std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   for (Group& group : groups_) group.size = 0;
   const auto for_awake = [&](auto&& visit) {
@@ -201,8 +201,8 @@ void Groups::fill_groups(const Islands& islands, std::span<const BodyProps> prop
     members_[group.size++] = i;
     bodies[i].group = number;
     group.locked = group.locked || props[i].locks.any();
-    if (!activity[i].awake) activity[i].stir();
-    activity[i].awake = true;
+    if (activity[i].asleep) activity[i].stir();
+    activity[i].asleep = false;
   });
   std::size_t begin = 0;
   for (Group& group : groups_) {
@@ -220,7 +220,7 @@ static double spin_of(const BodyProps& body, const Groups::Rule& rule) {
 
 void Groups::settle(const Rule& rule, double dt, const Islands& islands,
                     std::span<const ConstraintEdge> edges, std::span<const double> wanted,
-                    std::span<const BodyState> before, std::span<const BodyProps> props,
+                    std::span<const BodyState> before, const PropsTable& props,
                     std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   if (groups_.empty()) {
     if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
@@ -272,7 +272,7 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
       activity[i].steps_at_lower_level = 0;
     }
     if (rule.sleep_after == 0.0 || !island.sleepy || !island.held || island.driven) continue;
-    activity[i].awake = false;
+    activity[i].asleep = true;
     bodies[i].v.setZero();
     bodies[i].w.setZero();
   }

@@ -12,6 +12,8 @@
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/island_coupling.h"
 #include "tandem/pbd/pose_target.h"
+#include "tandem/pbd/props_table.h"
+#include "tandem/pbd/sparse_array.h"
 
 namespace tandem::pbd {
 
@@ -46,7 +48,7 @@ class Groups {
   /// @param changed  bodies whose rows were changed
   void arrange(const Rule& rule, const Islands& islands, std::span<const std::uint32_t> movers,
                std::span<const std::uint32_t> changed, std::span<const ConstraintEdge> edges,
-               std::span<const PoseTarget> targets, std::span<const BodyProps> props,
+               std::span<const PoseTarget> targets, const PropsTable& props,
                std::span<BodyActivity> activity, std::span<SolverBody> bodies);
   std::span<const Group> all() const { return groups_; }
 
@@ -55,7 +57,7 @@ class Groups {
   /// @param before  by body: where the step began
   void settle(const Rule& rule, double dt, const Islands& islands,
               std::span<const ConstraintEdge> edges, std::span<const double> wanted,
-              std::span<const BodyState> before, std::span<const BodyProps> props,
+              std::span<const BodyState> before, const PropsTable& props,
               std::span<BodyActivity> activity, std::span<SolverBody> bodies);
 
  private:
@@ -67,9 +69,9 @@ class Groups {
   /// Whose rows were changed, and who is told to be elsewhere.
   void wake_islands(std::span<const std::uint32_t> changed, std::span<const PoseTarget> targets,
                     std::span<const SolverBody> bodies);
-  void form_groups(const Rule& rule, const Islands& islands, std::span<const BodyProps> props,
+  void form_groups(const Rule& rule, const Islands& islands, const PropsTable& props,
                    std::span<BodyActivity> activity, std::span<SolverBody> bodies);
-  void fill_groups(const Islands& islands, std::span<const BodyProps> props,
+  void fill_groups(const Islands& islands, const PropsTable& props,
                    std::span<BodyActivity> activity, std::span<SolverBody> bodies);
 
   /// What an immovable body that moves is in touch with does not sleep.
@@ -79,15 +81,15 @@ class Groups {
 
   std::span<const std::uint32_t> movers_;  ///< of this step; what else is in the lists is not read
   bool any_joined_ = false;                ///< of joined_
-  std::vector<IslandPart> islands_;        ///< by the index of the lowest body
+  detail::SparseArray<IslandPart> islands_;  ///< by the index of the lowest body
   /// Likewise: the mean of its bodies' levels, rounded. A few refined bodies that fall on a heap do
   /// not refine the heap.
-  std::vector<std::uint8_t> levels_;
-  std::vector<std::uint8_t> joined_;     ///< likewise, see Group
-  std::vector<std::uint8_t> movable_;    ///< by body
-  std::vector<std::uint8_t> sprung_;     ///< by body: springs or motors act on it
-  std::vector<std::uint32_t> group_of_;  ///< by the index of the lowest body of an island
-  std::vector<std::uint32_t> members_;   ///< of all groups
+  detail::SparseArray<std::uint8_t> levels_;
+  detail::SparseArray<std::uint8_t> joined_;     ///< likewise, see Group
+  detail::SparseArray<std::uint8_t> movable_;    ///< by body
+  detail::SparseArray<std::uint8_t> sprung_;     ///< by body: springs or motors act on it
+  detail::SparseArray<std::uint32_t> group_of_;  ///< by the index of the lowest body of an island
+  std::vector<std::uint32_t> members_;           ///< of all groups
   std::vector<Group> groups_;
 };
 

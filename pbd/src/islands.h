@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tandem/pbd/constraint.h"
+#include "tandem/pbd/sparse_array.h"
 
 namespace tandem::pbd {
 
@@ -25,7 +26,7 @@ class Islands {
  private:
   std::uint32_t root_of(std::uint32_t body);
 
-  std::vector<std::uint32_t> island_of_;
+  detail::SparseArray<std::uint32_t> island_of_;
 };
 
 }  // namespace tandem::pbd

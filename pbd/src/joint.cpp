@@ -302,6 +302,12 @@ void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
   }
 }
 
+void JointBlock::append_idle(std::vector<std::uint32_t>& bodies) const {
+  for (const JointRecord& record : impl_->records) {
+    if (!record.active()) bodies.insert(bodies.end(), {record.def.a.index, record.def.b.index});
+  }
+}
+
 void JointBlock::append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const {
   impl_->named().for_rows(body, [&](std::uint32_t row, std::uint32_t other) {
     if (impl_->records[row].active() && other != BodyId::kNone) joined.push_back(other);

@@ -10,6 +10,7 @@
 #include "islands.h"
 #include "stage_clock.h"
 #include "tandem/pbd/solver.h"
+#include "tandem/pbd/sparse_array.h"
 #include "tandem/pbd/workers.h"
 #include "targets.h"
 
@@ -118,11 +119,11 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   Groups groups_;
   ConstraintEdges edges_;
   std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
-  std::vector<double> wanted_;          ///< by body: substeps that rows ask for
+  detail::SparseArray<double> wanted_;  ///< by body: substeps that rows ask for
   const Group* group_ = nullptr;        ///< the one being solved
   std::vector<Manifold> manifolds_;
   struct {
-    std::vector<Pose> after;  ///< by slot
+    detail::SparseArray<Pose> after;  ///< by slot, of movers
     std::vector<MotionLimit> limits;
   } motion_;  ///< what stops bodies on their way
   std::vector<PoseTarget> pose_targets_;

@@ -44,15 +44,6 @@ bool usable(const Manifold& m, const World& world) {
   return std::isfinite(sum) && std::abs(m.normal.squaredNorm() - 1.0) < 1e-3 && m.friction >= 0.0;
 }
 
-/// Where what does not move is; limit_motion() sets the others.
-void note_places(BodyBuffer& bodies, std::vector<Pose>& places) {
-  const auto set = [&](std::uint32_t i) { places[i] = {bodies[i].x, bodies[i].q}; };
-  const bool fresh = places.empty();
-  places.resize(bodies.size());
-  if (!fresh) return bodies.for_changed(set);
-  for (std::uint32_t i = 0; i < bodies.size(); ++i) set(i);
-}
-
 }  // namespace
 
 void Solver::Impl::begin_step(World& world, double dt) {
@@ -64,11 +55,6 @@ void Solver::Impl::begin_step(World& world, double dt) {
   detect();
   if (world.contact_source_ != nullptr) end_stage(Stage::Detect);
   bodies_.load(world, workers_);
-  if (world.contact_source_ != nullptr) {
-    note_places(bodies_, motion_.after);
-  } else {
-    motion_.after.clear();
-  }
   collect_targets();
   arrange_groups();
   report_.turning = bodies_.prepare(world, edges_.without_contacts(), groups_.all(), workers_);
@@ -320,6 +306,7 @@ void Solver::Impl::collect_targets() {
   } else {
     world_->corrections_.clear();
   }
+  bodies_.load_named(*world_, pose_targets_);
   targets_.begin_step(pose_targets_, bodies_.all(), world_->states_, dt_);
   report_.targets = targets_.size();
 }
@@ -336,6 +323,7 @@ void Solver::Impl::note_gaps() {
 
 void Solver::Impl::arrange_groups() {
   edges_.list(*world_);
+  bodies_.load_named(*world_, edges_);
   islands_.build(edges_.all(), bodies_.movers(), bodies_.all());
   bodies_.mark_joined(edges_);
   changed_.clear();
@@ -381,6 +369,7 @@ Groups::Rule Solver::Impl::group_rule() const {
 
 void Solver::Impl::limit_motion() {
   if (world_->contact_source_ == nullptr || groups_.all().empty()) return;
+  motion_.after.resize(bodies_.size());
   for (const std::uint32_t i : bodies_.movers()) motion_.after[i] = {bodies_[i].x, bodies_[i].q};
   world_->contact_source_->limit_motion(*world_, motion_.after, workers_, motion_.limits);
   for (const MotionLimit& limit : motion_.limits) {

@@ -107,7 +107,7 @@ void Targets::select_group(const Group& group, std::span<const SolverBody> bodie
   }
 }
 
-void Targets::agree_velocities(std::span<SolverBody> bodies, std::span<const BodyProps> props,
+void Targets::agree_velocities(std::span<SolverBody> bodies, const PropsTable& props,
                                std::span<Correction> corrections, double h,
                                ConsensusEnergy& energy) {
   for (const std::uint32_t k : in_group_) {
@@ -144,7 +144,7 @@ void Targets::begin(std::span<const SolverBody> bodies) {
   }
 }
 
-void Targets::pull(std::span<SolverBody> bodies, std::span<const BodyProps> props, double elapsed) {
+void Targets::pull(std::span<SolverBody> bodies, const PropsTable& props, double elapsed) {
   for (const std::uint32_t k : in_group_) {
     Row& row = rows_[k];
     SolverBody& body = bodies[row.body];
@@ -203,7 +203,7 @@ void Targets::to_poses(std::span<SolverBody> bodies, double h) {
   }
 }
 
-void Targets::end(std::span<const SolverBody> bodies, std::span<const BodyProps> props,
+void Targets::end(std::span<const SolverBody> bodies, const PropsTable& props,
                   std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy) {
   for (const Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];

@@ -10,6 +10,7 @@
 #include "islands.h"
 #include "tandem/pbd/constraint.h"
 #include "tandem/pbd/pose_target.h"
+#include "tandem/pbd/props_table.h"
 #include "tandem/pbd/report.h"
 #include "tandem/pbd/solver.h"
 
@@ -46,7 +47,7 @@ class Targets {
 
   /// v += s_n (v_target - v), likewise w. Adds the change of kinetic energy to `energy`. What a
   /// target moves by in the substep is added to what is missing.
-  void agree_velocities(std::span<SolverBody> bodies, std::span<const BodyProps> props,
+  void agree_velocities(std::span<SolverBody> bodies, const PropsTable& props,
                         std::span<Correction> corrections, double h, ConsensusEnergy& energy);
 
   // A substep's displacement, once its velocities have been solved:
@@ -54,13 +55,13 @@ class Targets {
   void begin(std::span<const SolverBody> bodies);
   /// The rows: poses move towards where the targets are by the end of the substep.
   /// @param elapsed  s, from the start of the step to that end
-  void pull(std::span<SolverBody> bodies, std::span<const BodyProps> props, double elapsed);
+  void pull(std::span<SolverBody> bodies, const PropsTable& props, double elapsed);
   /// What poses moved by becomes v_push and w_push, on which contacts are solved.
   void to_velocities(std::span<SolverBody> bodies, double h);
   /// Poses move by what contacts left of it.
   void to_poses(std::span<SolverBody> bodies, double h);
   /// Account for it.
-  void end(std::span<const SolverBody> bodies, std::span<const BodyProps> props,
+  void end(std::span<const SolverBody> bodies, const PropsTable& props,
            std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy);
 
  private:

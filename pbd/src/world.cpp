@@ -16,8 +16,8 @@
 namespace tandem::pbd {
 void World::wake_up(std::uint32_t index) {
   BodyActivity& activity = activity_[index];
-  if (!activity.awake || props_[index].type != BodyType::Dynamic) note(index);
-  activity.awake = true;
+  if (activity.asleep || props_[index].type != BodyType::Dynamic) note(index);
+  activity.asleep = false;
   activity.stir();
 }
 
@@ -31,6 +31,14 @@ std::uint32_t World::checked_index(BodyId id, const char* what) const {
   return id.index;
 }
 
+void World::reserve(std::size_t bodies) {
+  states_.reserve(bodies);
+  props_.reserve(bodies);
+  slots_.reserve(bodies);
+  in_contact_.reserve(bodies);
+  activity_.reserve(bodies);
+}
+
 BodyId World::add_body(const BodyDef& def) {
   check_def(def);
   if (def.stable_id && by_stable_id_.contains(*def.stable_id)) {
@@ -40,19 +48,20 @@ BodyId World::add_body(const BodyDef& def) {
   const std::uint32_t index = slots_.take();
   if (index == states_.size()) {
     states_.emplace_back();
-    props_.emplace_back();
+    props_.resize(states_.size());
     in_contact_.push_back(0);
-    activity_.emplace_back();
+    activity_.resize(states_.size());
     if (!wrenches_.empty()) wrenches_.emplace_back();
     if (!corrections_.empty()) corrections_.emplace_back();
     if (!displaced_.empty()) displaced_.push_back(0);
+  } else {
+    activity_[index] = {};
   }
   in_contact_[index] = 0;
-  activity_[index] = {};
   if (!wrenches_.empty()) wrenches_[index] = {};
   if (!corrections_.empty()) corrections_[index] = {};
   if (!displaced_.empty()) displaced_[index] = 0;
-  props_[index] = make_props(def);
+  props_.set(index, make_props(def));
   if (def.stable_id) by_stable_id_.emplace(*def.stable_id, index);
   order_is_old_ = true;
   placements_.note();
@@ -77,7 +86,7 @@ void World::remove_body(BodyId id) {
   order_is_old_ = true;
   placements_.note();
   note(index);
-  props_[index] = {};
+  props_.set(index, {});
   states_[index] = {};
   slots_.release(index);
 }
@@ -162,21 +171,21 @@ void World::set_damping(BodyId id, double linear, double angular) {
   const std::uint32_t index = checked_dynamic(id, "set_damping");
   check_damping(linear, angular, "World::set_damping");
   wake(id);
-  props_[index].linear_damping = linear;
-  props_[index].angular_damping = angular;
+  props_.own(index).linear_damping = linear;
+  props_.own(index).angular_damping = angular;
 }
 
 void World::set_gravity_scale(BodyId id, double scale) {
   const std::uint32_t index = checked_dynamic(id, "set_gravity_scale");
   detail::require(std::isfinite(scale), "World::set_gravity_scale", "scale", scale, "finite");
   wake(id);
-  props_[index].gravity_scale = scale;
+  props_.own(index).gravity_scale = scale;
 }
 
 void World::set_locks(BodyId id, const AxisLocks& locks) {
   const std::uint32_t index = checked_dynamic(id, "set_locks");
   wake(id);
-  props_[index].locks = locks;
+  props_.own(index).locks = locks;
 }
 
 void World::set_mass(BodyId id, double mass, const Mat3& inertia) {
@@ -184,7 +193,7 @@ void World::set_mass(BodyId id, double mass, const Mat3& inertia) {
   const BodyDef def{.pose = states_[index].pose, .mass = mass, .inertia = inertia};
   check_def(def);
   const BodyProps made = make_props(def);
-  BodyProps& props = props_[index];
+  BodyProps& props = props_.own(index);
   props.type = BodyType::Dynamic;
   props.mass = made.mass;
   props.inverse_mass = made.inverse_mass;
@@ -208,7 +217,7 @@ void World::set_type(BodyId id, BodyType type) {
     detail::refuse("World::set_type: type", "Static or Kinematic (set_mass() makes it dynamic)",
                    static_cast<double>(type));
   }
-  BodyProps& props = props_[index];
+  BodyProps& props = props_.own(index);
   props.type = type;
   props.mass = 0.0;
   props.inverse_mass = 0.0;
@@ -300,7 +309,7 @@ void World::add_impulse(std::uint32_t index, const Wrench& impulse, const char* 
   states_[index].twist = twist;
 }
 
-bool World::awake(BodyId id) const { return activity_[checked_index(id, "awake")].awake; }
+bool World::awake(BodyId id) const { return awake_at(checked_index(id, "awake")); }
 
 void World::resume(BodyId id, const BodyState& state, const BodyActivity& activity) {
   const std::uint32_t index = checked_index(id, "resume");
@@ -312,13 +321,13 @@ void World::resume(BodyId id, const BodyState& state, const BodyActivity& activi
                   activity.low_speed_time, ">= 0 s");
   detail::require_finite(activity.moved, "World::resume", "activity.moved");
   detail::require_finite(activity.turned, "World::resume", "activity.turned");
-  if (!activity.awake) ++sleepers_moved_;
+  if (activity.asleep) ++sleepers_moved_;
   const Pose& before = states_[index].pose;
   if (before.position != state.pose.position ||
       before.orientation.coeffs() != state.pose.orientation.coeffs()) {
     placements_.note();
   }
-  if (!activity.awake || !activity_[index].awake || props_[index].type != BodyType::Dynamic) {
+  if (activity.asleep || activity_[index].asleep || props_[index].type != BodyType::Dynamic) {
     note(index);
   }
   states_[index] = state;
@@ -340,9 +349,10 @@ void World::wake_joined(std::uint32_t index) {
 void World::set_gravity(const Vec3& gravity) {
   detail::require_finite(gravity, "World", "gravity");
   gravity_ = gravity;
-  for (BodyActivity& activity : activity_) {
-    activity.awake = true;
-    activity.stir();
+  for (std::uint32_t i = 0; i < slot_count(); ++i) {
+    if (props_[i].type == BodyType::Static && !activity_[i].asleep) continue;
+    activity_[i].asleep = false;
+    activity_[i].stir();
   }
   body_log_.outdate();
 }

@@ -68,7 +68,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
   to.placements_.note();
   to.body_log_.reserve(from.states_.size());
   to.body_log_.outdate();
-  to.props_ = from.props_;
+  to.props_.assign(from.props_);
   to.slots_.assign(from.slots_);
   // Assignment may make each node of a map anew.
   if (to.by_stable_id_ != from.by_stable_id_) to.by_stable_id_ = from.by_stable_id_;
@@ -147,14 +147,14 @@ void WorldCopy::set_state(std::uint32_t slot, const BodyState& state, bool awake
   assert(slot < world_.slot_count() && world_.slots_.alive(slot));
   assert(is_sound(state));
   BodyActivity& activity = world_.activity_[slot];
-  const bool stays_asleep = !activity.awake && !awake && equal(world_.states_[slot], state);
+  const bool stays_asleep = activity.asleep && !awake && equal(world_.states_[slot], state);
   if (!awake && !stays_asleep) ++world_.sleepers_moved_;
   world_.states_[slot] = state;
   world_.placements_.note();
   world_.note(slot);
   if (world_.props_[slot].type != BodyType::Dynamic) return;
-  if (awake && !activity.awake) activity.stir();
-  activity.awake = awake;
+  if (awake && activity.asleep) activity.stir();
+  activity.asleep = !awake;
 }
 
 void WorldCopy::displace(std::uint32_t slot, const BodyState& state) {

@@ -46,7 +46,7 @@ void save_body(FieldWriter io, const BodyProps& props, const BodyActivity& activ
   props_fields(io, props);
   io(props.stable_id.has_value(), props.stable_id.value_or(0), props.origin);
   io(props.sleep_speed.value_or(-1.0), props.sleep_spin.value_or(-1.0));
-  io(activity.awake, activity.level, std::uint32_t{activity.steps_at_lower_level},
+  io(!activity.asleep, activity.level, std::uint32_t{activity.steps_at_lower_level},
      activity.low_speed_time, activity.moved, activity.turned);
   state_fields(io, state);
 }
@@ -63,8 +63,9 @@ void load_body(FieldReader io, BodyProps& props, BodyActivity& activity, BodySta
   props.sleep_speed = speed == -1.0 ? std::nullopt : std::optional(speed);
   props.sleep_spin = spin == -1.0 ? std::nullopt : std::optional(spin);
   std::uint32_t steps = 0;
-  io(activity.awake, activity.level, steps, activity.low_speed_time, activity.moved,
-     activity.turned);
+  bool awake = true;
+  io(awake, activity.level, steps, activity.low_speed_time, activity.moved, activity.turned);
+  activity.asleep = !awake;
   activity.steps_at_lower_level = static_cast<std::uint16_t>(steps);
   state_fields(io, state);
 }
@@ -120,7 +121,7 @@ bool load_wrenches(ByteReader& in, std::uint32_t slots, std::vector<Wrench>& wre
   return true;
 }
 
-bool load_targets(ByteReader& in, std::span<const BodyProps> props, KinematicTargets& targets) {
+bool load_targets(ByteReader& in, const PropsTable& props, KinematicTargets& targets) {
   const std::uint32_t count = in.u32();
   if (in.failed() || count > props.size()) return false;
   targets.clear();
@@ -213,22 +214,24 @@ bool World::read(ByteReader& in) {
     return false;
   }
   states_.assign(slots, {});
-  props_.assign(slots, {});
+  props_ = {};
+  props_.resize(slots);
   slots_.clear();
   in_contact_.assign(slots, 0);
   touching_.clear();
-  activity_.assign(slots, {});
+  activity_.resize(0);
+  activity_.resize(slots);
   by_stable_id_.clear();
   order_is_old_ = true;
   for (std::uint32_t i = 0; i < slots; ++i) {
     slots_.load_slot(in);
     in_contact_[i] = in.u8();
     if (in_contact_[i] != 0) touching_.push_back(i);
-    load_body(FieldReader(in), props_[i], activity_[i], states_[i]);
-    if (!body_is_sound(props_[i], activity_[i], states_[i])) return false;
-    if (props_[i].type == BodyType::Dynamic) {
-      props_[i].principal = principal_axes(props_[i].inertia);
-    }
+    BodyProps props;
+    load_body(FieldReader(in), props, activity_[i], states_[i]);
+    if (!body_is_sound(props, activity_[i], states_[i])) return false;
+    if (props.type == BodyType::Dynamic) props.principal = principal_axes(props.inertia);
+    props_.set(i, props);
     if (!props_[i].stable_id) continue;
     if (!slots_.alive(i) || !by_stable_id_.emplace(*props_[i].stable_id, i).second) return false;
   }

@@ -3,7 +3,9 @@
 #include "tandem/collision/contact_source.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
+#include <utility>
 
 #include "allocation_count.h"
 #include "fixture.h"
@@ -286,6 +288,68 @@ TEST_CASE("contact_source: beside a plane at rest the length of steps is of no m
     CHECK(f.collect(dt).size() == 30);
     CHECK(f.scene.stats().searches == 0);
   }
+}
+
+TEST_CASE("contact_source: room that is made before takes the place of what would grow",
+          "[collision][unit]") {
+  const auto build = [](bool room) {
+    Fixture f;
+    const AllocationCount count;
+    if (room) f.world.reserve(500);
+    if (room) f.scene.reserve(500);
+    for (int i = 0; i < 500; ++i) f.fixed(Box{0.5, 0.5, 0.5}, at(i, 0.0, 0.0));
+    f.add(Sphere{0.4}, at(3.0, 0.0, 1.0));
+    f.world.set_contact_source(&f.scene);
+    const std::size_t grown = count.count();
+    pbd::Solver solver;
+    for (int k = 0; k < 60; ++k) solver.step(f.world, kDt);
+    return std::pair(grown, f.world.hash());
+  };
+  const auto [grown, hash] = build(false);
+  const auto [less, same] = build(true);
+  CHECK(less < grown);
+  CHECK(same == hash);
+}
+
+// The solver has what does not move only once something names it: what it had of a body that went,
+// or no longer moves, is of no matter.
+TEST_CASE("contact_source: a solver that has seen more gives the same bits",
+          "[collision][regression]") {
+  const auto run = [](bool named, bool anew) {
+    Fixture f;
+    f.world.set_contact_source(&f.scene);
+    std::uint64_t id = 100;
+    const auto add = [&](const Shape& shape, const Pose& pose, BodyType type) {
+      BodyDef def{.type = type, .pose = pose};
+      if (named) def.stable_id = --id;
+      const BodyId body = f.world.add_body(def);
+      f.scene.add(f.world, {.body = body, .shape = shape});
+      return body;
+    };
+    std::vector<BodyId> tiles;
+    for (int i = 0; i < 9; ++i) {
+      tiles.push_back(add(Box{0.5, 0.5, 0.5}, at(i % 3, i / 3, -0.5), BodyType::Static));
+    }
+    std::vector<BodyId> boxes;
+    for (int i = 0; i < 12; ++i) {
+      boxes.push_back(
+          add(Box{0.2, 0.2, 0.2}, at(0.1 * i, 0.3 + 0.03 * i, 0.25 + 0.41 * i), BodyType::Dynamic));
+    }
+    pbd::Solver solver;
+    for (int k = 0; k < 120; ++k) {
+      if (k == 40) f.world.remove_body(boxes[5]);
+      if (k == 50) f.world.set_type(boxes[2], BodyType::Static);
+      if (k == 70) f.world.set_pose(tiles[4], at(1.0, 1.0, -0.45));
+      if (k == 80) f.world.set_mass(boxes[2], 1.0, 0.03 * pbd::Mat3::Identity());
+      if (anew) {
+        pbd::Solver().step(f.world, kDt);
+      } else {
+        solver.step(f.world, kDt);
+      }
+    }
+    return f.world.hash();
+  };
+  for (const bool named : {false, true}) CHECK(run(named, false) == run(named, true));
 }
 
 }  // namespace contact_source_test

@@ -355,7 +355,7 @@ void Settlement::take_over(PeerId elected, bool asleep) {
     shared.stands = true;
     for (Copy& copy : body.copies) copy.since = 0;
     pbd::BodyActivity activity = data_.world.activities()[body.id.index];
-    activity.awake = false;
+    activity.asleep = true;
     data_.world.resume(body.id, {there, {}}, activity);
     data_.history.restart(body.id.index, data_.world);
     ++shared.placed;

@@ -25,7 +25,7 @@ void Activity::mark_joints() {
   for (const auto& block : data_.world.blocks()) {
     if (block->order() < static_cast<int>(pbd::SolveOrder::Contact)) block->append_edges(edges_);
   }
-  const auto moves = [props = data_.world.all_props()](std::uint32_t slot) {
+  const auto moves = [&props = data_.world.all_props()](std::uint32_t slot) {
     return slot != pbd::BodyId::kNone && props[slot].type == pbd::BodyType::Dynamic;
   };
   for (const pbd::ConstraintEdge& edge : edges_) {

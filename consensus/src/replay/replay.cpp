@@ -61,7 +61,7 @@ void ReplayOptions::validate() const {
 
 std::size_t Replay::awake() const {
   std::size_t count = 0;
-  const std::span<const pbd::BodyProps> props = world_.all_props();
+  const pbd::PropsTable& props = world_.all_props();
   for (std::uint32_t slot = 0; slot < props.size(); ++slot) {
     count += props[slot].type == pbd::BodyType::Dynamic && world_.awake_at(slot) ? 1 : 0;
   }

@@ -152,7 +152,7 @@ void Cluster::Impl::share_out() {
     if (slot >= before.size() || arrived_[slot] != 0) continue;
     const pbd::BodyActivity& now = world_.activities()[slot];
     const bool woken =
-        now.awake != before[slot].awake || now.low_speed_time != before[slot].low_speed_time;
+        now.asleep != before[slot].asleep || now.low_speed_time != before[slot].low_speed_time;
     if (woken) world_.resume(world_.body_at(slot), world_.states()[slot], before[slot]);
   }
   state_.migrated += moves.size();

@@ -64,10 +64,10 @@ pbd::BodyState read_state(MessageReader& in) {
 }
 
 void write_activity(const pbd::BodyActivity& activity, MessageWriter& out) {
-  out.put<std::uint8_t>(activity.awake ? 1 : 0);
+  out.put<std::uint8_t>(activity.asleep ? 0 : 1);
   out.put(activity.level);
   out.put(activity.steps_at_lower_level);
-  if (!activity.awake) return;  // what wakes up begins anew
+  if (activity.asleep) return;  // what wakes up begins anew
   out.put(activity.low_speed_time);
   out.vec3(activity.moved);
   out.vec3(activity.turned);
@@ -75,10 +75,10 @@ void write_activity(const pbd::BodyActivity& activity, MessageWriter& out) {
 
 pbd::BodyActivity read_activity(MessageReader& in) {
   pbd::BodyActivity activity;
-  activity.awake = in.get<std::uint8_t>() != 0;
+  activity.asleep = in.get<std::uint8_t>() == 0;
   activity.level = in.get<std::uint8_t>();
   activity.steps_at_lower_level = in.get<std::uint16_t>();
-  if (!activity.awake) return activity;
+  if (activity.asleep) return activity;
   activity.low_speed_time = in.get<double>();
   activity.moved = in.vec3();
   activity.turned = in.vec3();

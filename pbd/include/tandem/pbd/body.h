@@ -101,9 +101,9 @@ struct TANDEM_API BodyProps {
   Vec3 origin = Vec3::Zero();  ///< m, body frame: the application's
 };
 
-/// What the solver remembers of a body from step to step.
+/// What the solver remembers of a body from step to step: of one that never moved nothing, zeros.
 struct TANDEM_API BodyActivity {
-  bool awake = true;
+  bool asleep = false;
   std::uint8_t level = 0;  ///< of refinement: the island's substeps are doubled this often
   std::uint16_t steps_at_lower_level =
       0;                        ///< steps in a row for which a lower level would have done

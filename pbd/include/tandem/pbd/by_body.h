@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -19,13 +20,12 @@ class TANDEM_API ByBody {
   /// @pre the row is not in
   void add(std::uint32_t row, std::uint32_t body_a, std::uint32_t body_b = BodyId::kNone) {
     if (old_) return;
-    if (ends_.size() < 2 * (row + std::size_t{1})) ends_.resize(2 * (row + std::size_t{1}));
     link(2 * row, body_a);
     link(2 * row + 1, body_b);
   }
   /// Of no effect where the row is not in.
   void remove(std::uint32_t row) {
-    if (old_ || 2 * std::size_t{row} >= ends_.size()) return;
+    if (old_) return;
     unlink(2 * row);
     unlink(2 * row + 1);
   }
@@ -36,7 +36,7 @@ class TANDEM_API ByBody {
     if (!old_) return;
     old_ = false;
     first_.clear();
-    ends_.clear();
+    for (std::vector<End>& ends : ends_) ends.clear();
     add_all();
   }
   /// Call visit(row, other) for each row that names the body, in no order that means anything;
@@ -45,8 +45,8 @@ class TANDEM_API ByBody {
     std::uint32_t next = body < first_.size() ? first_[body] : kNone;
     while (next != kNone) {
       const std::uint32_t at = next;
-      next = ends_[at].after;
-      visit(at / 2, ends_[at ^ 1u].body);
+      next = end(at).after;
+      visit(at / 2, known(at ^ 1u) ? end(at ^ 1u).body : BodyId::kNone);
     }
   }
   /// Those rows, ascending: what is done to them then does not depend on how they came in.
@@ -63,26 +63,33 @@ class TANDEM_API ByBody {
   /// What one row names at one end, among all that name the same body.
   struct End {
     std::uint32_t body = BodyId::kNone;
-    std::uint32_t before = kNone, after = kNone;  ///< into ends_
+    std::uint32_t before = kNone, after = kNone;  ///< twice the row, one more for its second end
   };
+
+  bool known(std::uint32_t at) const { return at / 2 < ends_[at % 2].size(); }
+  End& end(std::uint32_t at) { return ends_[at % 2][at / 2]; }
+  const End& end(std::uint32_t at) const { return ends_[at % 2][at / 2]; }
 
   void link(std::uint32_t at, std::uint32_t body) {
     if (body == BodyId::kNone) return;
     if (body >= first_.size()) first_.resize(body + std::size_t{1}, kNone);
-    ends_[at] = {body, kNone, first_[body]};
-    if (first_[body] != kNone) ends_[first_[body]].before = at;
+    if (!known(at)) ends_[at % 2].resize(at / 2 + std::size_t{1});
+    end(at) = {body, kNone, first_[body]};
+    if (first_[body] != kNone) end(first_[body]).before = at;
     first_[body] = at;
   }
   void unlink(std::uint32_t at) {
-    const End end = ends_[at];
-    if (end.body == BodyId::kNone) return;
-    (end.before == kNone ? first_[end.body] : ends_[end.before].after) = end.after;
-    if (end.after != kNone) ends_[end.after].before = end.before;
-    ends_[at] = {};
+    if (!known(at)) return;
+    const End old = end(at);
+    if (old.body == BodyId::kNone) return;
+    (old.before == kNone ? first_[old.body] : end(old.before).after) = old.after;
+    if (old.after != kNone) end(old.after).before = old.before;
+    end(at) = {};
   }
 
-  std::vector<std::uint32_t> first_;  ///< by body, into ends_
-  std::vector<End> ends_;             ///< two of each row
+  std::vector<std::uint32_t> first_;  ///< by body, see End
+  std::array<std::vector<End>, 2>
+      ends_;  ///< by row: the first, and of those that have one the second
   bool old_ = false;
 };
 

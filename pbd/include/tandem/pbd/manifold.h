@@ -82,9 +82,9 @@ class TANDEM_API ContactSource {
   /// did then: it is not asked in a step in which nothing else happens either.
   virtual bool repeats() const { return false; }
 
-  /// The last word against tunnelling: called with the poses (by slot) at the end of a step, before
-  /// they become the world's. Sets `limits` to the bodies that have to stop on their way, each
-  /// once.
+  /// The last word against tunnelling: called with the poses (by slot) of all but static bodies at
+  /// the end of a step, before they become the world's. Sets `limits` to the bodies that have to
+  /// stop on their way, each once.
   virtual void limit_motion(const World& /*world*/, std::span<const Pose> /*after*/,
                             Workers& /*workers*/, std::vector<MotionLimit>& limits) {
     limits.clear();

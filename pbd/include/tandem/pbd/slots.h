@@ -24,6 +24,10 @@ class TANDEM_API Slots {
     return slot < alive_.size() && alive_[slot] != 0 && generations_[slot] == generation;
   }
 
+  void reserve(std::size_t slots) {
+    alive_.reserve(slots);
+    generations_.reserve(slots);
+  }
   /// The slot that was freed last; where none is free a new one at the end.
   std::uint32_t take() {
     if (free_.empty()) {

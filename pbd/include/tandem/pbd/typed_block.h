@@ -170,6 +170,12 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       if constexpr (requires { c.append_edges(edges); }) c.append_edges(edges);
     }
   }
+  void append_idle(std::vector<std::uint32_t>& bodies) const override {
+    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+      if (!slots_.alive(i) || is_active(rows_[i])) continue;
+      bodies.insert(bodies.end(), {rows_[i].body_a().index, rows_[i].body_b().index});
+    }
+  }
   void take_changed(std::vector<std::uint32_t>& bodies) override {
     bodies.insert(bodies.end(), changed_.begin(), changed_.end());
     changed_.clear();

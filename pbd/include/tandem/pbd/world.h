@@ -19,7 +19,9 @@
 #include "tandem/pbd/kinematic_targets.h"
 #include "tandem/pbd/manifold.h"
 #include "tandem/pbd/pose_target.h"
+#include "tandem/pbd/props_table.h"
 #include "tandem/pbd/slots.h"
+#include "tandem/pbd/sparse_array.h"
 
 namespace tandem::pbd {
 
@@ -60,7 +62,7 @@ struct TANDEM_API WorldDef {
 /// Errors: all mutators throw std::invalid_argument naming field, value and rule, and leave the
 /// world as it was. Ids of removed bodies are refused the same way.
 /// References and spans that it returns are into its arrays: they are good until a body is added or
-/// removed, a block comes or goes, or restore().
+/// removed or gets another type, a block comes or goes, or restore().
 /// @par Thread safety  Distinct worlds: safe. One world: one thread at a time.
 class TANDEM_API World {
  public:
@@ -71,6 +73,8 @@ class TANDEM_API World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
+  /// Make room for so many bodies in all, before a large scene is built.
+  void reserve(std::size_t bodies);
   BodyId add_body(const BodyDef& def);
   /// Removes the body and every constraint row that names it.
   void remove_body(BodyId id);
@@ -134,7 +138,7 @@ class TANDEM_API World {
   bool awake(BodyId id) const;
   void wake(BodyId id);
   /// By slot, without the generation check; immovable bodies count as awake where they move.
-  bool awake_at(std::uint32_t index) const { return activity_[index].awake; }
+  bool awake_at(std::uint32_t index) const { return !activity_[index].asleep; }
   /// By slot, likewise: what the solver remembers of bodies.
   std::span<const BodyActivity> activities() const { return activity_; }
   /// Make a body what it was in another world, or before: nothing is woken, neither it nor what it
@@ -156,7 +160,7 @@ class TANDEM_API World {
   const BodyLog& body_log() const { return body_log_; }
   /// By slot, without the generation check, for loops over all bodies.
   std::span<const BodyState> states() const { return states_; }
-  std::span<const BodyProps> all_props() const { return props_; }
+  const PropsTable& all_props() const { return props_; }
 
   /// Add a block of constraints: `auto& joints = world.add_block<JointBlock>();`. References stay
   /// valid until the block is removed or the world dies (moves keep them).
@@ -239,7 +243,7 @@ class TANDEM_API World {
   Vec3 gravity_;
   double time_ = 0.0;
   std::vector<BodyState> states_;
-  std::vector<BodyProps> props_;
+  PropsTable props_;
   Slots slots_;
   std::map<std::uint64_t, std::uint32_t> by_stable_id_;  ///< slots
   /// What order() shows, made when it is asked for; empty where no body has a stable id.
@@ -249,7 +253,7 @@ class TANDEM_API World {
   std::vector<Correction> corrections_;   ///< empty where no target was ever solved
   std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
   std::vector<std::uint32_t> touching_;   ///< where in_contact_ is set; some may be there twice
-  std::vector<BodyActivity> activity_;    ///< by slot
+  detail::SparseArray<BodyActivity> activity_;  ///< by slot
   std::uint64_t sleepers_moved_ = 0;
   ChangeCount placements_;
   BodyLog body_log_;

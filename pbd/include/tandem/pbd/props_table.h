@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tandem/pbd/body.h"
+#include "tandem/pbd/export.h"
+
+namespace tandem::pbd {
+
+/// Properties of bodies by slot. What is static and nothing else, as the parts of a level are,
+/// shares one record.
+class TANDEM_API PropsTable {
+ public:
+  std::size_t size() const { return record_of_.size(); }
+  const BodyProps& operator[](std::size_t slot) const { return records_[record_of_[slot]]; }
+
+  /// New slots are empty: as BodyProps is by default.
+  void resize(std::size_t slots);
+  void reserve(std::size_t slots) { record_of_.reserve(slots); }
+  void set(std::size_t slot, const BodyProps& props);
+  /// For changes of one field. Moves other records where the body had none of its own.
+  BodyProps& own(std::size_t slot);
+  /// Become a copy; memory is used again.
+  void assign(const PropsTable& source);
+
+ private:
+  void release(std::size_t slot);
+
+  std::vector<BodyProps> records_;        ///< the first one is the shared one
+  std::vector<std::uint32_t> record_of_;  ///< by slot
+  std::vector<std::uint32_t> free_;       ///< records
+};
+
+}  // namespace tandem::pbd
