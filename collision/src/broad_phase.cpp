@@ -177,12 +177,10 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
                         std::span<const std::uint32_t> watched, double dt, pbd::Workers& workers) {
   moved_.clear();
   found_.clear();
-  give_back(moved_, watched.size());
   release(found_, pairs_.size());
   if (has_moved_.size() < colliders.size()) has_moved_.resize(colliders.size(), 0);
   for (const std::uint32_t i : flagged_) has_moved_[i] = 0;
   flagged_.clear();
-  give_back(flagged_, watched.size());
   const auto flag = [&](std::uint32_t i) {
     has_moved_[i] = 1;
     flagged_.push_back(i);
@@ -229,6 +227,11 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
   index_pairs();
   find(colliders, dt, workers);
   merge_found();
+}
+
+void BroadPhase::trim() {
+  give_back(moved_);
+  give_back(flagged_);
 }
 
 void BroadPhase::index_pairs() {

@@ -56,6 +56,9 @@ class BroadPhase {
   void update(const std::vector<Collider>& colliders, std::span<const std::uint32_t> watched,
               double dt, pbd::Workers& workers);
 
+  /// Give back memory that the last update() did not need.
+  void trim();
+
   /// Without those of what was removed since, or is to be looked at again.
   std::vector<ColliderPair>& pairs() {
     if (any_dropped_) drop_pairs([](const ColliderPair&) { return false; });

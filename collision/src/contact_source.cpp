@@ -88,6 +88,7 @@ class __attribute__((visibility("hidden"))) CollisionScene::Impl : public SceneS
   BroadPhase broad;
   PairContacts contacts;
   MotionLimiter limiter;
+  Beginning beginning;
 };
 
 std::uint32_t CollisionScene::Impl::checked(ColliderId id, const char* what) const {
@@ -163,7 +164,9 @@ ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) 
   made.generation = m.colliders[index].generation;
   made.added = m.added++;
   made.rank = {index, made.def.body.index};
-  made.dynamic = world.all_props()[made.def.body.index].type == pbd::BodyType::Dynamic;
+  const pbd::BodyType type = world.all_props()[made.def.body.index].type;
+  made.dynamic = type == pbd::BodyType::Dynamic;
+  if (type != pbd::BodyType::Static) made.own_motion.made();
   if (made.def.sensor) ++m.sensor_count;
   Collider& collider = m.colliders[index] = std::move(made);
   m.order_is_old = m.order_is_old || !m.natural_order;
@@ -289,6 +292,11 @@ void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& w
   m.contacts.collect(m.colliders, m.broad.pairs(), m.options.recycle_angle, dt, workers, out);
   m.sum_stats(std::span(out).subspan(first));
   m.watched.leave_still(world, m.colliders);
+  if (m.beginning.is_over(m.added)) {
+    m.broad.trim();
+    m.watched.trim();
+    m.limiter.trim();
+  }
   m.collected = m.changes.value();
 }
 

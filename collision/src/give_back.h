@@ -3,16 +3,37 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace tandem::collision {
 
-/// A scene that begins looks at all that it has, and never again at so much.
-/// @param usual  entries that a step may have
+/// Tells when lists may give memory back. The first step after colliders were added looks at all of
+/// them, and so does the second, which finds that they lie still; later steps look at a few. Once
+/// for each time that some were added: a step of a scene that stays as it is allocates nothing.
+class Beginning {
+ public:
+  /// To be asked once in each step.
+  /// @param added  colliders in the life of the scene
+  bool is_over(std::uint64_t added) {
+    if (added != added_) {
+      added_ = added;
+      steps_ = 0;
+    }
+    return ++steps_ == kSteps;
+  }
+
+ private:
+  static constexpr std::uint64_t kSteps = 3;
+  std::uint64_t added_ = 0;
+  std::uint64_t steps_ = kSteps;  ///< since then
+};
+
+/// Keep memory for what is in the list, where that is little.
 template <class T>
-void give_back(std::vector<T>& list, std::size_t usual) {
+void give_back(std::vector<T>& list) {
   constexpr std::size_t kKeep = 4096;
-  if (list.capacity() > kKeep + 4 * usual && list.size() <= usual) std::vector<T>(list).swap(list);
+  if (list.capacity() > kKeep + 4 * list.size()) std::vector<T>(list).swap(list);
 }
 
 }  // namespace tandem::collision

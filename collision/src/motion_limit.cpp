@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core_cast.h"
-#include "give_back.h"
 #include "inner_core.h"
 #include "motion_path.h"
 #include "tandem/pbd/contact.h"
@@ -381,7 +380,6 @@ void MotionLimiter::find(std::span<Collider> colliders, std::span<const std::uin
   if (pace_.size() < colliders.size()) pace_.resize(colliders.size(), kPaceIdle);
   for (const std::uint32_t i : paced_) pace_[i] = kPaceIdle;
   paced_.assign(watched.begin(), watched.end());
-  give_back(paced_, watched.size());
   const double fastest = fastest_obstacle(colliders, watched, world, after);
   workers.for_chunks(watched.size(), kChunk, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {

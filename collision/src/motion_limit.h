@@ -8,6 +8,7 @@
 
 #include "broad_phase.h"
 #include "collider.h"
+#include "give_back.h"
 #include "tandem/pbd/constraint.h"
 
 namespace tandem::collision {
@@ -21,6 +22,9 @@ class MotionLimiter {
   void find(std::span<Collider> colliders, std::span<const std::uint32_t> watched,
             const BroadPhase& broad, const pbd::World& world, std::span<const pbd::Pose> after,
             pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits);
+
+  /// Give back memory that the last find() did not need.
+  void trim() { give_back(paced_); }
 
   struct Step;
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "give_back.h"
-
 namespace tandem::collision {
 
 void WatchedColliders::add(std::uint32_t collider) {
@@ -41,7 +39,6 @@ void WatchedColliders::leave_still(const pbd::World& world, std::span<const Coll
     listed_[i] = moves ? 1 : 0;
     return !moves;
   });
-  give_back(list_, list_.size());
 }
 
 }  // namespace tandem::collision

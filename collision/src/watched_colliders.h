@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "collider.h"
+#include "give_back.h"
 #include "tandem/pbd/by_body.h"
 #include "tandem/pbd/world.h"
 
@@ -24,6 +25,8 @@ class WatchedColliders {
               const pbd::ByBody& by_body);
   /// Leave out what lies still.
   void leave_still(const pbd::World& world, std::span<const Collider> colliders);
+  /// Give back memory that the list does not need.
+  void trim() { give_back(list_); }
   /// The next update() looks at all colliders.
   void forget() { seen_ = {}; }
 

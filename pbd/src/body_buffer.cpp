@@ -116,11 +116,12 @@ void BodyBuffer::load_one(const World& world, std::uint32_t i) {
 }
 
 void BodyBuffer::load_named(const World& world, const ConstraintEdges& edges) {
-  for (const ConstraintEdge& edge : edges.all()) {
-    load_once(world, edge.body_a);
-    load_once(world, edge.body_b);
+  for (const std::span<const ConstraintEdge> list : {edges.all(), edges.idle()}) {
+    for (const ConstraintEdge& edge : list) {
+      load_once(world, edge.body_a);
+      load_once(world, edge.body_b);
+    }
   }
-  for (const std::uint32_t i : edges.idle()) load_once(world, i);
 }
 
 void BodyBuffer::load_named(const World& world, std::span<const PoseTarget> targets) {

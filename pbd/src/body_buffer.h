@@ -103,7 +103,7 @@ class BodyBuffer {
     Mat3 inverse;
     Quat q;  ///< the body's, for which it is
   };
-  std::vector<KeptInertia> inertias_;  ///< by slot; where joints are
+  detail::SparseArray<KeptInertia> inertias_;  ///< by slot; where joints are
   std::vector<std::uint32_t> kinematic_;
 };
 

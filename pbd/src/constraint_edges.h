@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -34,15 +33,15 @@ class ConstraintEdges {
     if (world.contacts() != nullptr) world.contacts()->append_edges(edges_);
   }
   std::span<const ConstraintEdge> all() const { return edges_; }
-  /// Bodies of rows that are not active.
-  std::span<const std::uint32_t> idle() const { return idle_; }
+  /// Those of rows that are not active.
+  std::span<const ConstraintEdge> idle() const { return idle_; }
   /// Of the blocks that project poses: those before contacts, which come first.
   std::span<const ConstraintEdge> projecting() const { return all().first(projecting_); }
   std::span<const ConstraintEdge> without_contacts() const { return all().first(contacts_); }
 
  private:
   std::vector<ConstraintEdge> edges_;
-  std::vector<std::uint32_t> idle_;
+  std::vector<ConstraintEdge> idle_;
   std::size_t projecting_ = 0;
   std::size_t contacts_ = 0;
 };

@@ -302,9 +302,10 @@ void JointBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
   }
 }
 
-void JointBlock::append_idle(std::vector<std::uint32_t>& bodies) const {
+void JointBlock::append_idle(std::vector<ConstraintEdge>& edges) const {
   for (const JointRecord& record : impl_->records) {
-    if (!record.active()) bodies.insert(bodies.end(), {record.def.a.index, record.def.b.index});
+    if (!record.alive || record.active()) continue;
+    edges.push_back({.body_a = record.def.a.index, .body_b = record.def.b.index});
   }
 }
 

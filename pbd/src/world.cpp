@@ -193,13 +193,14 @@ void World::set_mass(BodyId id, double mass, const Mat3& inertia) {
   const BodyDef def{.pose = states_[index].pose, .mass = mass, .inertia = inertia};
   check_def(def);
   const BodyProps made = make_props(def);
-  BodyProps& props = props_.own(index);
+  BodyProps props = props_[index];
   props.type = BodyType::Dynamic;
   props.mass = made.mass;
   props.inverse_mass = made.inverse_mass;
   props.inertia = made.inertia;
   props.inverse_inertia = made.inverse_inertia;
   props.principal = made.principal;
+  props_.set(index, props);
   note(index);
   kinematic_targets_.remove(index);
   wake(id);
@@ -217,13 +218,14 @@ void World::set_type(BodyId id, BodyType type) {
     detail::refuse("World::set_type: type", "Static or Kinematic (set_mass() makes it dynamic)",
                    static_cast<double>(type));
   }
-  BodyProps& props = props_.own(index);
+  BodyProps props = props_[index];
   props.type = type;
   props.mass = 0.0;
   props.inverse_mass = 0.0;
   props.inertia.setZero();
   props.inverse_inertia.setZero();
   props.principal = {};
+  props_.set(index, props);
   note(index);
   if (!wrenches_.empty()) wrenches_[index] = {};
   kinematic_targets_.remove(index);

@@ -10,6 +10,7 @@
 #include "allocation_count.h"
 #include "fixture.h"
 #include "tandem/pbd/solver.h"
+#include "tandem/pbd/world_copy.h"
 
 namespace contact_source_test {
 
@@ -309,6 +310,40 @@ TEST_CASE("contact_source: room that is made before takes the place of what woul
   const auto [less, same] = build(true);
   CHECK(less < grown);
   CHECK(same == hash);
+}
+
+TEST_CASE(
+    "contact_source: a level that is under way allocates nothing, neither beside a plane that "
+    "moves nor where "
+    "copies of it go back",
+    "[collision][regression]") {
+  for (const bool plane_moves : {false, true}) {
+    Fixture f;
+    for (int i = 0; i < 10000; ++i) f.fixed(Box{0.5, 0.5, 0.5}, at(i % 100, i / 100, 0.0));
+    for (int i = 0; i < 5; ++i) f.add(Sphere{0.4}, at(3.0 * i, 5.0, 1.0 + 0.5 * i));
+    const BodyId lift = f.add(HalfSpace{}, at(0.0, 0.0, -40.0), BodyType::Kinematic);
+    f.world.set_contact_source(&f.scene);
+    pbd::Solver solver;
+    pbd::Solver other;
+    pbd::WorldCopy copy;
+    const auto steps = [&](int count) {
+      bool copied = true;
+      for (int k = 0; k < count; ++k) {
+        if (plane_moves) f.world.set_twist(lift, {Vec3(0.0, 0.0, 0.1 + 0.001 * k), Vec3::Zero()});
+        solver.step(f.world, kDt);
+        copied = copied && copy.assign(f.world);
+        other.step(copy.world(), kDt);
+        copy.restore(f.world);
+      }
+      return copied;
+    };
+    CHECK(steps(90));
+    const AllocationCount count;
+    const bool copied = steps(30);
+    const std::size_t counted = count.count();
+    CHECK(copied);
+    CHECK(counted == 0);
+  }
 }
 
 // The solver has what does not move only once something names it: what it had of a body that went,

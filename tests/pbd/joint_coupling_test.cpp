@@ -2,6 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/pbd/joint_coupling.h"
 
+#include <cstdint>
+#include <set>
+#include <vector>
+
 #include "joint_fixture.h"
 #include "support/catch.h"
 
@@ -173,6 +177,39 @@ TEST_CASE("joint coupling: it is saved, goes with any of its bodies, and is chec
   g.world.remove_body(palm);
   CHECK(g.couplings->size() == 0);
   run(g.world, g.solver, 0.1);
+}
+
+// It measures on, and static bodies that nothing names are not there to be measured.
+TEST_CASE("joint coupling: one that is switched off names all its bodies",
+          "[pbd][joint][coupling]") {
+  Geared g;
+  const BodyId palm = g.add_rod(2.0, 0.4, Vec3::Zero());
+  const BodyId left = g.add_rod(0.5, 0.3, Vec3(-0.35, 0.0, 0.0));
+  const BodyId wrist = g.add_rod(2.0, 0.4, Vec3::Zero());
+  const BodyId right = g.add_rod(0.7, 0.3, Vec3(0.35, 0.0, 0.0));
+  const JointId one = g.add_hinge(palm, left, Vec3(-0.2, 0.0, 0.0));
+  const JointId two = g.add_hinge(wrist, right, Vec3(0.2, 0.0, 0.0));
+  JointCoupling::Def def = JointCoupling::between(*g.joints, one, two, 1.0);
+  const auto named = [&](bool enabled) {
+    def.enabled = enabled;
+    const ConstraintId id = g.couplings->add(g.world, def);
+    std::vector<ConstraintEdge> active, idle;
+    g.couplings->append_edges(active);
+    g.couplings->append_idle(idle);
+    g.couplings->remove(id);
+    std::set<std::uint32_t> bodies;
+    for (const ConstraintEdge& edge : enabled ? active : idle) {
+      bodies.insert({edge.body_a, edge.body_b});
+    }
+    CHECK((enabled ? idle : active).empty());
+    return bodies;
+  };
+  const std::set<std::uint32_t> all{palm.index, left.index, wrist.index, right.index};
+  for (const bool enabled : {true, false}) {
+    std::set<std::uint32_t> bodies = named(enabled);
+    bodies.erase(BodyId::kNone);
+    CHECK(bodies == all);
+  }
 }
 
 }  // namespace joint_coupling_test

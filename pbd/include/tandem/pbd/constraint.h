@@ -73,7 +73,8 @@ enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
 
 /// What a block is told about the substep.
 struct TANDEM_API SubstepContext {
-  /// By slot; of those that cannot move the ones that blocks name, see append_edges().
+  /// By slot. Of bodies that cannot move only those are here that a block names in append_edges()
+  /// or append_idle(): the rest are zeros.
   std::span<SolverBody> bodies;
   /// Those that may move, ascending: the bodies of all groups are among them.
   std::span<const std::uint32_t> movers = {};
@@ -191,9 +192,9 @@ class TANDEM_API ConstraintBlock {
 
   /// Append an edge for each row that is active, which names every body that it reads or moves.
   virtual void append_edges(std::vector<ConstraintEdge>& /*edges*/) const {}
-  /// Append the bodies of rows that are not active, where verbs of the block read them all the
+  /// Likewise for rows that are not active, where verbs of the block read their bodies all the
   /// same.
-  virtual void append_idle(std::vector<std::uint32_t>& /*bodies*/) const {}
+  virtual void append_idle(std::vector<ConstraintEdge>& /*edges*/) const {}
   /// Append the bodies at the other ends of those edges that name this one, where it is a body.
   /// Asked for each body that is set or removed: what looks at all rows for that, as this does,
   /// makes clearing a heap take as long as its square.

@@ -92,7 +92,7 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   void take_changed(std::vector<std::uint32_t>& bodies) override;
   /// Not actuated: motors that have arrived, that a limit stops or that do not manage their load.
   void append_edges(std::vector<ConstraintEdge>& edges) const override;
-  void append_idle(std::vector<std::uint32_t>& bodies) const override;
+  void append_idle(std::vector<ConstraintEdge>& edges) const override;
   void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const override;
   void append_apart(std::vector<BodyPair>& pairs) const override;
   void remove_body(BodyId body) override;

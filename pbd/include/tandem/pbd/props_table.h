@@ -15,6 +15,23 @@ namespace tandem::pbd {
 /// shares one record.
 class TANDEM_API PropsTable {
  public:
+  /// Over all slots.
+  class Iterator {
+   public:
+    Iterator(const PropsTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
+    const BodyProps& operator*() const { return (*table_)[slot_]; }
+    Iterator& operator++() {
+      ++slot_;
+      return *this;
+    }
+    bool operator==(const Iterator& other) const { return slot_ == other.slot_; }
+
+   private:
+    const PropsTable* table_;
+    std::size_t slot_;
+  };
+  Iterator begin() const { return {*this, 0}; }
+  Iterator end() const { return {*this, size()}; }
   std::size_t size() const { return record_of_.size(); }
   const BodyProps& operator[](std::size_t slot) const { return records_[record_of_[slot]]; }
 

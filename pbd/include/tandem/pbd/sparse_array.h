@@ -16,7 +16,7 @@ namespace tandem::pbd::detail {
 
 /// An array whose elements begin as zeros and take memory, page by page, where they are written to:
 /// what is kept of each body costs nothing for those of which there is nothing to keep. For types
-/// that may be moved as bytes and that zeros are a value of.
+/// that may be moved as bytes and that zeros are a value of: new elements are zeros and not `T{}`.
 template <class T>
 class SparseArray {
   static_assert(std::is_trivially_destructible_v<T>);

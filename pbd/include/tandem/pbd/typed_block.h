@@ -159,23 +159,8 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     }
   }
 
-  void append_edges(std::vector<ConstraintEdge>& edges) const override {
-    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
-      const C& c = rows_[i];
-      if (!slots_.alive(i) || !is_active(c)) continue;
-      ConstraintEdge edge{.body_a = c.body_a().index, .body_b = c.body_b().index};
-      if constexpr (requires { c.actuated(); }) edge.actuated = c.actuated();
-      if constexpr (requires { c.force_driven(); }) edge.force_driven = c.force_driven();
-      edges.push_back(edge);
-      if constexpr (requires { c.append_edges(edges); }) c.append_edges(edges);
-    }
-  }
-  void append_idle(std::vector<std::uint32_t>& bodies) const override {
-    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
-      if (!slots_.alive(i) || is_active(rows_[i])) continue;
-      bodies.insert(bodies.end(), {rows_[i].body_a().index, rows_[i].body_b().index});
-    }
-  }
+  void append_edges(std::vector<ConstraintEdge>& edges) const override { append_rows(edges, true); }
+  void append_idle(std::vector<ConstraintEdge>& edges) const override { append_rows(edges, false); }
   void take_changed(std::vector<std::uint32_t>& bodies) override {
     bodies.insert(bodies.end(), changed_.begin(), changed_.end());
     changed_.clear();
@@ -280,6 +265,17 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       return order.row_before(rows_[l].body_a(), rows_[l].body_b(), l, rows_[r].body_a(),
                               rows_[r].body_b(), r);
     });
+  }
+  void append_rows(std::vector<ConstraintEdge>& edges, bool active) const {
+    for (std::uint32_t i = 0; i < rows_.size(); ++i) {
+      const C& c = rows_[i];
+      if (!slots_.alive(i) || is_active(c) != active) continue;
+      ConstraintEdge edge{.body_a = c.body_a().index, .body_b = c.body_b().index};
+      if constexpr (requires { c.actuated(); }) edge.actuated = c.actuated();
+      if constexpr (requires { c.force_driven(); }) edge.force_driven = c.force_driven();
+      edges.push_back(edge);
+      if constexpr (requires { c.append_edges(edges); }) c.append_edges(edges);
+    }
   }
   static bool is_active(const C& c) {
     if constexpr (requires { c.active(); }) {
