@@ -28,6 +28,13 @@ void release(std::vector<ColliderPair>& found, std::size_t usual) {
   }
 }
 
+/// Place in a list that ascends; its size where `index` is not in it.
+std::size_t place_of(const std::vector<std::uint32_t>& list, std::uint32_t index) {
+  const auto at = std::lower_bound(list.begin(), list.end(), index);
+  const bool found = at != list.end() && *at == index;
+  return found ? static_cast<std::size_t>(at - list.begin()) : list.size();
+}
+
 }  // namespace
 
 bool may_touch(const Collider& a, const Collider& b) {
@@ -65,7 +72,7 @@ void BroadPhase::look_again(std::uint32_t index) {
 void BroadPhase::remove(std::uint32_t index, const Collider& collider) {
   look_again(index);
   if (collider.is_half_space()) {
-    const auto at = static_cast<std::ptrdiff_t>(plane_of(index));
+    const auto at = static_cast<std::ptrdiff_t>(place_of(half_spaces_, index));
     half_spaces_.erase(half_spaces_.begin() + at);
     planes_.erase(planes_.begin() + at);
   }
@@ -87,20 +94,14 @@ void BroadPhase::place(std::uint32_t index, const Aabb& fat, bool fixed) {
   leaves_[index] = tree.insert(fat, index) | (fixed ? kFixed : 0u);
 }
 
-std::size_t BroadPhase::plane_of(std::uint32_t index) const {
-  const auto at = std::lower_bound(half_spaces_.begin(), half_spaces_.end(), index);
-  const bool found = at != half_spaces_.end() && *at == index;
-  return found ? static_cast<std::size_t>(at - half_spaces_.begin()) : half_spaces_.size();
-}
-
 void BroadPhase::remember_plane(std::uint32_t index, const Aabb& plane) {
-  const std::size_t at = plane_of(index);
+  const std::size_t at = place_of(half_spaces_, index);
   if (at < planes_.size()) planes_[at] = plane;
 }
 
 Aabb BroadPhase::fat_box(std::uint32_t index) const {
   if (placed(index)) return fat(index);
-  const std::size_t at = plane_of(index);
+  const std::size_t at = place_of(half_spaces_, index);
   return at < planes_.size() ? planes_[at] : Aabb{};
 }
 

@@ -113,8 +113,6 @@ class BroadPhase {
     any_dropped_ = false;
   }
   void unlink(std::uint32_t index);
-  /// Place in half_spaces_, or its size.
-  std::size_t plane_of(std::uint32_t index) const;
   bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
