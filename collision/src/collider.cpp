@@ -166,6 +166,10 @@ bool same_state(const Collider& c, const pbd::BodyState& state) {
          state.twist.angular == c.motion().twist.angular;
 }
 
+bool is_static(const Collider& collider, const pbd::World& world) {
+  return world.all_props()[collider.def.body.index].type == pbd::BodyType::Static;
+}
+
 void update_collider(Collider& c, const pbd::World& world, double dt) {
   // Its body may have gone while the scene was not the world's.
   if (!world.contains(c.def.body)) {

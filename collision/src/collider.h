@@ -141,6 +141,9 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options);
 /// where the bodies have no order of their own.
 void put_in_order(std::span<Collider> colliders, const pbd::BodyOrder& order);
 
+/// Whether its body is.
+bool is_static(const Collider& collider, const pbd::World& world);
+
 /// Read the body's state and bring what depends on it up to date.
 void update_collider(Collider& collider, const pbd::World& world, double dt);
 

@@ -71,10 +71,6 @@ double turned_squared(const Collider& c, const pbd::Pose& to) {
 /// rad, likewise.
 double turned(const Collider& c, const pbd::Pose& to) { return std::sqrt(turned_squared(c, to)); }
 
-bool is_static(const Collider& c, const pbd::World& world) {
-  return world.all_props()[c.def.body.index].type == pbd::BodyType::Static;
-}
-
 /// m, how far any point of what cannot be pushed moves in this step, at most.
 double fastest_obstacle(std::span<const Collider> colliders, std::span<const std::uint32_t> watched,
                         const pbd::World& world, std::span<const pbd::Pose> after) {

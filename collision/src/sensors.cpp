@@ -17,10 +17,6 @@ constexpr double kJump = 2.0;
 
 bool first_child(const Aabb&, const Aabb&) { return false; }
 
-bool is_static(const Collider& c, const pbd::World& world) {
-  return world.all_props()[c.def.body.index].type == pbd::BodyType::Static;
-}
-
 }  // namespace
 
 bool Sensors::sees(std::uint32_t sensor, std::uint32_t visitor) const {
