@@ -17,17 +17,6 @@ constexpr double kMarginShare = 0.06;
 constexpr double kAhead = 3.0;
 /// Boxes that one worker looks up at a time.
 constexpr std::size_t kGrain = 32;
-/// Boxes after which what is known of them in one step gives its memory back.
-constexpr std::size_t kManyAtOnce = 4096;
-
-/// Give memory back where it is more than what half of `usual` pairs need.
-void release(std::vector<ColliderPair>& found, std::size_t usual) {
-  constexpr std::size_t kKeep = 1024;
-  if (found.capacity() > kKeep && found.capacity() > usual / 2 && found.size() < usual / 4) {
-    found = {};
-  }
-}
-
 /// Place in a list that ascends; its size where `index` is not in it.
 std::size_t place_of(const std::vector<std::uint32_t>& list, std::uint32_t index) {
   const auto at = std::lower_bound(list.begin(), list.end(), index);
@@ -178,7 +167,6 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
                         std::span<const std::uint32_t> watched, double dt, pbd::Workers& workers) {
   moved_.clear();
   found_.clear();
-  release(found_, pairs_.size());
   if (has_moved_.size() < colliders.size()) has_moved_.resize(colliders.size(), 0);
   for (const std::uint32_t i : flagged_) has_moved_[i] = 0;
   flagged_.clear();
@@ -211,7 +199,6 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
     }
   }
   fixed_tree_.link_all(unlinked_);
-  if (unlinked_.size() > kManyAtOnce) std::vector<std::uint32_t>().swap(unlinked_);
   unlinked_.clear();
   if (moved_.empty() && !plane_moves && all_finite) return;
   if (plane_moves) {  // all boxes against the planes
@@ -231,8 +218,9 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
 }
 
 void BroadPhase::trim() {
-  give_back(moved_);
-  give_back(flagged_);
+  for (auto* list : {&moved_, &unlinked_, &flagged_}) give_back(*list);
+  give_back(found_);
+  for (Search& search : searches_) give_back(search.found);
 }
 
 void BroadPhase::index_pairs() {
@@ -289,8 +277,6 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
     found_.insert(found_.end(), search.found.begin(), search.found.end());
   }
   std::sort(found_.begin(), found_.end());
-  // A scene that begins finds all its pairs at once, and never again so many.
-  for (Search& search : searches_) release(search.found, pairs_.size());
 }
 
 void BroadPhase::merge_found() {

@@ -141,7 +141,7 @@ Collider make_collider(const ColliderDef& def, const CollisionOptions& options);
 /// where the bodies have no order of their own.
 void put_in_order(std::span<Collider> colliders, const pbd::BodyOrder& order);
 
-/// Whether its body is.
+/// Whether the collider's body is static.
 bool is_static(const Collider& collider, const pbd::World& world);
 
 /// Read the body's state and bring what depends on it up to date.

@@ -101,7 +101,7 @@ struct TANDEM_API BodyProps {
   Vec3 origin = Vec3::Zero();  ///< m, body frame: the application's
 };
 
-/// What the solver remembers of a body from step to step: of one that never moved nothing, zeros.
+/// What the solver remembers of a body from step to step: zeros, where it has never moved.
 struct TANDEM_API BodyActivity {
   bool asleep = false;
   std::uint8_t level = 0;  ///< of refinement: the island's substeps are doubled this often

@@ -88,8 +88,8 @@ class TANDEM_API ByBody {
   }
 
   std::vector<std::uint32_t> first_;  ///< by body, see End
-  std::array<std::vector<End>, 2>
-      ends_;  ///< by row: the first, and of those that have one the second
+  /// By row: its first end, and its second one up to the last row that has two.
+  std::array<std::vector<End>, 2> ends_;
   bool old_ = false;
 };
 
