@@ -26,7 +26,7 @@ constexpr std::string_view kUsage =
   --scene NAME     cubes, room, piano, tennis, cliff (200 balls), pile (8 x 8), table (cubes)
   --variant NAME   of the piano, as of the demo: soft, mouse, tug
   --people N       peers (2); at the table all of them act
-  --profile 1..5   of the network (3)
+  --profile 0..5   of the network (3)
   --loss P         chance that a state is lost (0)
   --network NAME   of the second peer, as of the demos: wifi, swollen, lopsided, bursts
   --case NAME      plain, late (the last peer comes after 40 %), differ (6 substeps at the second)

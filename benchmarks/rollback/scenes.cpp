@@ -64,42 +64,10 @@ class Table final : public demos::Scenario {
   }
 };
 
-/// Another scenario whose copies are equal at all peers when they start: those of rollback must be.
-class EqualStarts final : public demos::Scenario {
- public:
-  explicit EqualStarts(std::unique_ptr<demos::Scenario> inner)
-      : Scenario(inner->name(), inner->user_count()), inner_(std::move(inner)) {}
+}  // namespace
 
-  demos::Scene build(const demos::SceneOptions& options) const override {
-    demos::SceneOptions equal = options;
-    equal.order_seed = 0;
-    equal.noise_seed = 0;
-    return inner_->build(equal);
-  }
-  std::unique_ptr<demos::User> make_user(std::size_t user, demos::Controls& controls,
-                                         const demos::UserOptions& options) const override {
-    return inner_->make_user(user, controls, options);
-  }
-  void on_signal(demos::Scene& scene, const demos::Signal& signal,
-                 consensus::SessionTime now) const override {
-    inner_->on_signal(scene, signal, now);
-  }
-  demos::Bounds bounds() const override { return inner_->bounds(); }
-  std::string fault(const demos::Scene& scene) const override { return inner_->fault(scene); }
-  std::unique_ptr<demos::Referee> make_referee(const demos::Scene& scene) const override {
-    return inner_->make_referee(scene);
-  }
-  demos::Achievement achievement(const demos::Outcome& outcome) const override {
-    return inner_->achievement(outcome);
-  }
-  std::string_view baseline() const override { return inner_->baseline(); }
-
- private:
-  std::unique_ptr<demos::Scenario> inner_;
-};
-
-std::unique_ptr<demos::Scenario> scenario_of(const std::string& name, int people,
-                                             const std::string& variant) {
+std::unique_ptr<demos::Scenario> make_scenario(const std::string& name, int people,
+                                               const std::string& variant) {
   if (name == "piano") return demos::make_scenario(name, variant);
   if (!variant.empty()) return nullptr;
   if (name == "cliff") return std::make_unique<demos::CliffScenario>(200);
@@ -108,15 +76,6 @@ std::unique_ptr<demos::Scenario> scenario_of(const std::string& name, int people
   }
   if (name == "table") return std::make_unique<Table>(static_cast<std::size_t>(people));
   return demos::make_scenario(name, "");
-}
-
-}  // namespace
-
-std::unique_ptr<demos::Scenario> make_scenario(const std::string& name, int people,
-                                               const std::string& variant) {
-  std::unique_ptr<demos::Scenario> scenario = scenario_of(name, people, variant);
-  if (scenario == nullptr) return nullptr;
-  return std::make_unique<EqualStarts>(std::move(scenario));
 }
 
 }  // namespace tandem::rollback_bench

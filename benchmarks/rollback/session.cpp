@@ -84,10 +84,11 @@ Run run_coupling(const demos::Scenario& scenario, const demos::DemoOptions& demo
                  std::optional<int> other_substeps, std::int64_t join) {
   demos::DemoOptions without_users = demo;
   without_users.no_script = true;
+  without_users.equal_starts = true;
   demos::VirtualSession session(scenario, without_users, nullptr);
   std::vector<demos::Actor>& actors = session.actors();
   if (other_substeps) {
-    demos::DemoOptions other = demo;
+    demos::DemoOptions other = without_users;
     other.solver.substeps = *other_substeps;
     actors[1] = demos::Actor(scenario, other, 1, session.network().transport(2));
   }

@@ -23,7 +23,7 @@ struct Run {
 };
 
 /// A demo's scene, smaller where it is a heavy one (cliff of 200 balls, pile of 8 x 8), or the
-/// table, where all people act. All copies of it are equal when they start.
+/// table, where all people act.
 /// @param variant  as of the demos; "" = its default
 /// @return null where there is none of that name, or no such variant of it
 std::unique_ptr<demos::Scenario> make_scenario(const std::string& name, int people,
@@ -34,7 +34,7 @@ std::unique_ptr<demos::Scenario> make_scenario(const std::string& name, int peop
 Run run_rollback(const demos::Scenario& scenario, const demos::DemoOptions& demo,
                  const RollbackOptions& options);
 
-/// The demo's own coupling over the same network.
+/// The demo's own coupling over the same network. Copies start equal, as those of rollback must.
 /// @param other_substeps  of the second peer; nullopt = as the others
 /// @param join  frame at which the last peer asks to come in; 0 = it is there at once. Until it is
 ///   heard it is cut off from all, and its users act from kJoinLead frames later on.

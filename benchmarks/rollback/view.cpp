@@ -3,7 +3,6 @@
 #include "rollback/view.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "session/geometry.h"
 #include "session/participant.h"
@@ -115,22 +114,12 @@ void View::keep(const demos::Scene& world, consensus::SessionTime end) {
     record_.tracks[i].push(sample);
   }
   record_.seconds += 1.0 / kFrameHz;
-  look_for_faults(world, end);
+  const double at = 1e-9 * static_cast<double>(end - frame_time(0));
+  record_.note_fault(at, demos::out_of_bounds(world, bounds_));
+  if (frames_++ % demos::kLookEvery == 0) record_.note_fault(at, scenario_.fault(world));
   if (!referee_) return;
-  referee_->watch(world, 1e-9 * static_cast<double>(end - frame_time(0)));
+  referee_->watch(world, at);
   record_.outcome = referee_->outcome(world);
-}
-
-void View::look_for_faults(const demos::Scene& world, consensus::SessionTime now) {
-  const bool looks = frames_++ % demos::kLookEvery == 0;
-  if (!record_.fault.empty()) return;
-  std::string fault = demos::out_of_bounds(world, bounds_);
-  if (fault.empty() && looks) fault = scenario_.fault(world);
-  if (fault.empty()) return;
-  char when[64];
-  std::snprintf(when, sizeof(when), "peer %d, %.2f s: ", static_cast<int>(record_.id),
-                1e-9 * static_cast<double>(now - frame_time(0)));
-  record_.fault = when + fault;
 }
 
 }  // namespace tandem::rollback_bench

@@ -43,7 +43,6 @@ class View {
   pbd::BodyState shown(const demos::Scene& world, std::size_t body) const;
   /// How many of the users here hold the body.
   int holding(std::size_t body) const;
-  void look_for_faults(const demos::Scene& world, consensus::SessionTime now);
 
   const demos::Scenario& scenario_;
   demos::Bounds bounds_;

@@ -56,9 +56,10 @@ enum class Print : std::uint8_t {
 /// What all demos understand on their command line.
 struct DemoOptions {
   int peers = 2;
-  double seconds = 20.0;    ///< s, of session time
-  std::uint64_t seed = 1;   ///< of noise, orders, step phases, users and links
-  double influence = 0.08;  ///< baseline share per 1/60 s; 0 = no agreement
+  double seconds = 20.0;      ///< s, of session time
+  std::uint64_t seed = 1;     ///< of noise, orders, step phases, users and links
+  bool equal_starts = false;  ///< no noise, and all peers add bodies in one order
+  double influence = 0.08;    ///< baseline share per 1/60 s; 0 = no agreement
   /// nullopt = the scheme's: Euler in what is reproduced as published, else Replay.
   std::optional<consensus::PredictorKind> predictor;
   consensus::ReplayOptions replayed = {};

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <sstream>
@@ -47,6 +46,7 @@ SceneOptions scene_options(const DemoOptions& options, std::size_t number, std::
   for (std::size_t user = 0; user < users; ++user) {
     if (seat_of(options, user) == number) result.users |= std::uint64_t{1} << user;
   }
+  if (options.equal_starts) return result;
   result.order_seed = derived_seed(options.seed, 1000 + number);
   result.noise_seed = derived_seed(options.seed, 2000 + number);
   return result;
@@ -320,11 +320,12 @@ void Participant::look_at_springs(consensus::SessionTime now) {
 }
 
 void Participant::watch(consensus::SessionTime now, const pbd::StepReport& report) {
-  if (report.status != pbd::StepStatus::Ok) set_fault(now, "a body became NaN or infinite");
-  if (const std::string out = out_of_bounds(scene_, bounds_); !out.empty()) set_fault(now, out);
-  if (referee_) referee_->watch(scene_, seconds_of(now - epoch_));
+  const double at = seconds_of(now - epoch_);
+  if (report.status != pbd::StepStatus::Ok) record_.note_fault(at, "a body became NaN or infinite");
+  record_.note_fault(at, out_of_bounds(scene_, bounds_));
+  if (referee_) referee_->watch(scene_, at);
   if (steps_ % kLookEvery != 0) return;
-  if (const std::string fault = scenario_.fault(scene_); !fault.empty()) set_fault(now, fault);
+  record_.note_fault(at, scenario_.fault(scene_));
   if (!recording_) return;
   append_penetrations(scene_, record_.penetration_m);
   record_contacts(now);
@@ -350,15 +351,6 @@ void Participant::record_contacts(consensus::SessionTime now) {
   }
   std::sort(frame.pairs.begin(), frame.pairs.end());
   frame.pairs.erase(std::unique(frame.pairs.begin(), frame.pairs.end()), frame.pairs.end());
-}
-
-void Participant::set_fault(consensus::SessionTime now, const std::string& text) {
-  if (!record_.fault.empty()) return;
-  char when[64];
-  std::snprintf(when, sizeof(when),
-                "peer %llu, %.2f s: ", static_cast<unsigned long long>(record_.id),
-                seconds_of(now - epoch_));
-  record_.fault = when + text;
 }
 
 }  // namespace tandem::demos

@@ -88,7 +88,6 @@ class Participant final : private consensus::PeerObserver {
   void look_at_springs(consensus::SessionTime now);
   void watch(consensus::SessionTime now, const pbd::StepReport& report);
   void record_contacts(consensus::SessionTime now);
-  void set_fault(consensus::SessionTime now, const std::string& text);
 
   /// A user and what they act by.
   struct Seat {

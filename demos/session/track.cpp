@@ -3,6 +3,7 @@
 #include "session/track.h"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace tandem::demos {
 
@@ -57,6 +58,13 @@ std::optional<TrackSample> Track::at(consensus::SessionTime time,
   result.speed += s * (after->speed - before.speed);
   result.velocity += s * (after->velocity - before.velocity);
   return result;
+}
+
+void PeerRecord::note_fault(double at, const std::string& text) {
+  if (!fault.empty() || text.empty()) return;
+  char when[64];
+  std::snprintf(when, sizeof(when), "peer %llu, %.2f s: ", static_cast<unsigned long long>(id), at);
+  fault = when + text;
 }
 
 }  // namespace tandem::demos

@@ -100,6 +100,8 @@ struct PeerRecord {
   std::vector<Input> inputs;   ///< of its users, user after user
   std::string fault;           ///< the first thing that must never be; empty where nothing was
 
+  /// The first one stays. @param at  s, from the start  @param text  empty where nothing is wrong
+  void note_fault(double at, const std::string& text);
   /// Is it a single peer's in the end?
   bool owned(std::size_t body) const { return body < owners.size() && owners[body] != 0; }
 };
