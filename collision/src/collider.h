@@ -61,8 +61,6 @@ class OwnMotion {
   std::unique_ptr<ColliderMotion> own_;
 };
 
-inline const ColliderMotion kNoMotion;
-
 /// A collider and what follows from it once and in each step. What the loop over pairs looks at
 /// comes first and together: there are many more pairs than fit into the nearest memory.
 struct Collider {
@@ -97,7 +95,9 @@ struct Collider {
   Margins margins;
   // In each step.
   OwnMotion own_motion;  ///< none of what is static
-  const ColliderMotion& motion() const { return own_motion.get() ? *own_motion.get() : kNoMotion; }
+  ColliderMotion motion() const {
+    return own_motion.get() != nullptr ? *own_motion.get() : ColliderMotion{};
+  }
   Vec3 position = Vec3::Zero();  ///< m, of the shape
   /// Pose of the body; at first none that a body has.
   pbd::Pose body{Vec3::Zero(), pbd::Quat(0.0, 0.0, 0.0, 0.0)};
