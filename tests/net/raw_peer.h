@@ -244,7 +244,8 @@ class LeakCheck {
   LeakCheck() : files_(count("/proc/self/fd")), threads_(count("/proc/self/task")) {}
   ~LeakCheck() {
     CHECK(eventually([&] { return count("/proc/self/fd") == files_; }));
-    CHECK(eventually([&] { return count("/proc/self/task") == threads_; }));
+    // Not equal: a thread that was joined just before this scope began may have been listed still.
+    CHECK(eventually([&] { return count("/proc/self/task") <= threads_; }));
   }
 
   static std::ptrdiff_t count(const char* folder) {
