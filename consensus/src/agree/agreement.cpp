@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/body_state.h"
+#include "common/stable_share.h"
 #include "tandem/consensus/influence.h"
 #include "tandem/pbd/cpu_timer.h"
 
@@ -93,8 +94,9 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) 
     oldest = std::min(oldest, there.stamp);
   }
   if (target.share < 1.0) {
-    const double share = data_.options.replay.share;
-    target.share = found_.leaders.empty() ? share : std::max(share, kFollowing);
+    const double least =
+        found_.leaders.empty() ? 0.0 : following_share(seconds(data_.now - oldest));
+    target.share = std::max(data_.options.replay.share, least);
   }
   if (way <= data_.options.replay.tolerance) {
     // What somebody has put there since is not where it rested.

@@ -12,11 +12,6 @@
 
 namespace tandem::consensus {
 
-/// A leader is followed with at least this share: it listens to nobody, so nothing comes back. What
-/// one holds is 1.09 and 1.25 of the physical limit apart at profile 3 (p95 of cubes and room), and
-/// 1.46 and 1.61 with the share that all others have.
-inline constexpr double kFollowing = 0.5;
-
 /// A state of another peer that counts, against the own one of its stamp.
 struct Stamped {
   SessionTime stamp = 0;  ///< ns

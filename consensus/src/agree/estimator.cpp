@@ -168,7 +168,8 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
   const double guessed =
       std::min(share_of_weight(weight), leads ? kMaxLeadersInfluence : kMaxSharedInfluence);
   if (!data_.options.influence.limits_guesses) return guessed;
-  return std::min(guessed, std::max(leads ? kFollowing : 0.0, stable_share(hearing.age)));
+  return std::min(guessed,
+                  std::max(leads ? following_share(hearing.age) : 0.0, stable_share(hearing.age)));
 }
 
 void Estimator::keep_leaders(Estimates& out) {
