@@ -17,7 +17,7 @@ namespace {
 using demos::Input;
 using pbd::Vec3;
 
-constexpr double kHandFilter = 0.025;  // s, as Springs::kAnchorVelocityFilter
+constexpr double kHandFilter = 0.025;  // s, of the low-pass on a hand's velocity
 
 Vec3 vec3(std::span<const double> v, std::size_t at) { return {v[at], v[at + 1], v[at + 2]}; }
 

@@ -10,6 +10,8 @@
 namespace tandem::consensus {
 namespace {
 
+/// s: time constant of the low-pass on a dragged body's velocity.
+constexpr double kVelocityFilter = 0.025;
 constexpr int kSweeps = 10;  ///< a sweep over two hands leaves about a third of the error
 
 }  // namespace
@@ -51,7 +53,7 @@ bool HardInputs::drag(SharedBody& shared, std::vector<PeerEstimate>& others) {
     hard.own.twist = {};
   } else if (data_.step_dt > 0.0) {
     // `last` is where the hand was going to be by now: what it missed is a change of velocity.
-    const double part = 1.0 - pbd::portable::exp(-data_.step_dt / Springs::kAnchorVelocityFilter);
+    const double part = 1.0 - pbd::portable::exp(-data_.step_dt / kVelocityFilter);
     hard.own.twist.linear += part / data_.step_dt * (hard.own.pose.position - last.pose.position);
     hard.own.twist.angular +=
         part / data_.step_dt *

@@ -10,7 +10,6 @@
 
 #include "common/ranges.h"
 #include "common/session_time.h"
-#include "tandem/pbd/portable.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::consensus {
@@ -106,11 +105,11 @@ bool Springs::holds(GrabId id) const {
 void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
   Own& own = own_spring(own_, id);
   pbd::detail::require_finite(anchor_w, "Peer::move", "anchor_w");
-  if (own.moved != 0 && now > own.moved) {
-    const double dt = seconds(now - own.moved);
-    const pbd::Vec3 measured = (anchor_w - own.def.anchor_w) / dt;
-    const double blend = 1.0 - pbd::portable::exp(-dt / kAnchorVelocityFilter);
-    own.velocity += blend * (measured - own.velocity);
+  const double dt = seconds(now - own.moved);
+  if (own.moved == 0 || dt < 0.0 || dt > HandFilter::kSilence) {
+    own.hand = HandFilter(anchor_w, pbd::Vec3::Zero());
+  } else if (dt > 0.0) {
+    own.hand.add(dt, anchor_w);
   }
   own.def.anchor_w = anchor_w;
   own.moved = now;
@@ -131,7 +130,7 @@ SpringUpdate Springs::Own::message(SpringEvent event, SessionTime now) const {
           .body = def.body,
           .attachment_l = def.attachment_l,
           .anchor_w = def.anchor_w,
-          .anchor_velocity = velocity,
+          .anchor_velocity = velocity(),
           .stiffness = def.stiffness,
           .damping = def.damping,
           .max_force = def.max_force,
@@ -304,7 +303,7 @@ void Springs::prepare(SessionTime now, double dt) {
     double since = own.moved != 0 ? seconds(now - own.moved) : 0.0;
     if (since > kStill) {
       // The others must hear that it stands, and that it still holds.
-      own.velocity.setZero();
+      own.hand = HandFilter(own.def.anchor_w, pbd::Vec3::Zero());
       own.moved = now;
       since = 0.0;
     }
@@ -321,8 +320,8 @@ void Springs::prepare(SessionTime now, double dt) {
     }
     SpringLimits::apply(limits_.share_of(own.body, sum), def);
     // Between two moves it goes on here as it does at the others.
-    def.anchor_w = own.def.anchor_w + std::max(since, 0.0) * own.velocity;
-    def.anchor_velocity = own.velocity;
+    def.anchor_w = own.def.anchor_w + std::max(since, 0.0) * own.velocity();
+    def.anchor_velocity = own.velocity();
     limits_.slow(world_, dt, count, def);
     tethers_.set(world_, own.tether, def);
   }
@@ -335,17 +334,17 @@ pbd::Tether::Def Springs::pull_at(const Remote& remote, SessionTime time) const 
   if (time > hand.newest()) {
     carry_on(hand.motion(), seconds(time - hand.newest()), def);
   } else {
-    const HandTrack::Motion then = hand.at(time);
+    const HandTrack::Place then = hand.at(time);
     def.anchor_w = then.position;
     def.anchor_velocity = then.velocity;
   }
   return def;
 }
 
-void Springs::carry_on(const HandTrack::Motion& hand, double age, pbd::Tether::Def& def) const {
-  const double ahead = std::min(age, options_.max_anchor_extrapolation);
-  def.anchor_w = hand.position + ahead * (hand.velocity + 0.5 * ahead * hand.acceleration);
-  def.anchor_velocity = hand.velocity + ahead * hand.acceleration;
+void Springs::carry_on(const HandFilter::Motion& hand, double age, pbd::Tether::Def& def) const {
+  const HandFilter::Motion then = hand.after(std::min(age, options_.max_anchor_extrapolation));
+  def.anchor_w = then.position;
+  def.anchor_velocity = then.velocity;
   // Beyond the limit the anchor stands still: a lost user's hand does not fly away.
   if (age >= options_.max_anchor_extrapolation) def.anchor_velocity.setZero();
 }
@@ -388,7 +387,7 @@ void Springs::announce(SessionTime now, std::vector<SpringUpdate>& states,
   pending_.clear();
   for (Own& own : own_) {
     if (own.mode != InputMode::Soft) continue;
-    own.told.add(own.moved != 0 ? own.moved : now, own.def.anchor_w, own.velocity);
+    own.told.add(own.moved != 0 ? own.moved : now, own.def.anchor_w, own.velocity());
     if (!own.announced) {
       events.push_back(own.message(SpringEvent::Create, now));
       own.announced = true;
@@ -439,7 +438,7 @@ void Springs::hands(pbd::BodyId body, SessionTime now, std::vector<Hand>& out) c
     if (own.mode != InputMode::Hard || own.body != body) continue;
     const double since = own.moved != 0 ? seconds(now - own.moved) : 0.0;
     const double ahead = since > kStill ? 0.0 : std::max(since, 0.0);
-    out.push_back({own.def.attachment_l, own.def.anchor_w + ahead * own.velocity});
+    out.push_back({own.def.attachment_l, own.def.anchor_w + ahead * own.velocity()});
   }
 }
 

@@ -25,8 +25,6 @@ class Springs {
   static constexpr std::size_t kMaxPerPeer = 64;
   /// And all of them; who has most gives one up for who has fewer.
   static constexpr std::size_t kMaxOfAll = 1024;
-  /// s: time constant of the low-pass on anchor velocities.
-  static constexpr double kAnchorVelocityFilter = 0.025;
 
   Springs(pbd::World& world, const PeerOptions& options);
   /// Nothing pulls any more, and the world has the blocks again that it had before: snapshots from
@@ -71,7 +69,7 @@ class Springs {
   void others_at(const pbd::World& world, SessionTime time, double dt,
                  std::vector<pbd::Tether::Def>& out) const;
   /// Put the anchor of `def` where a hand is taken to be `age` s after `hand` was told.
-  void carry_on(const HandTrack::Motion& hand, double age, pbd::Tether::Def& def) const;
+  void carry_on(const HandFilter::Motion& hand, double age, pbd::Tether::Def& def) const;
   const pbd::Tethers& block() const { return tethers_; }
   /// All rows of block(); appended.
   void rows(std::vector<pbd::ConstraintId>& out) const;
@@ -110,10 +108,11 @@ class Springs {
     pbd::ConstraintId tether = {};  ///< none in hard mode
     pbd::Tether::Def limited = {};  ///< its strength by itself
     SessionTime moved = 0;          ///< ns, of the anchor; 0 = never
-    pbd::Vec3 velocity = pbd::Vec3::Zero();
+    HandFilter hand = {};           ///< from its first move on
     HandTrack told = {};
     bool announced = false;
 
+    const pbd::Vec3& velocity() const { return hand.motion().velocity; }
     SpringUpdate message(SpringEvent event, SessionTime now) const;
   };
   struct Remote {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "input/hand_track.h"
+#include "input/hand_filter.h"
 #include "tandem/consensus/predictor.h"
 #include "tandem/consensus/transport.h"
 #include "tandem/pbd/pose_target.h"
@@ -18,7 +18,7 @@ namespace tandem::consensus {
 /// An own spring as it pulls in one step, and its hand as the others carry it on from there.
 struct Pull {
   pbd::Tether::Def def;
-  HandTrack::Motion told;
+  HandFilter::Motion told;
 };
 
 /// What a world was at the end of each of the last steps, and what acted on it in the step that
