@@ -93,11 +93,8 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) 
     apart = apart || there.apart;
     oldest = std::min(oldest, there.stamp);
   }
-  if (target.share < 1.0) {
-    const double least =
-        found_.leaders.empty() ? 0.0 : following_share(seconds(data_.now - oldest));
-    target.share = std::max(data_.options.replay.share, least);
-  }
+  const double least = found_.leaders.empty() ? 0.0 : following_share(seconds(data_.now - oldest));
+  if (target.share < 1.0) target.share = std::max(data_.options.replay.share, least);
   if (way <= data_.options.replay.tolerance) {
     // What somebody has put there since is not where it rested.
     if (!apart || data_.history.placed_since(slot, oldest)) return;
