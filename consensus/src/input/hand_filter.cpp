@@ -14,8 +14,8 @@ namespace {
 using pbd::Vec3;
 using Matrix = std::array<std::array<double, 5>, 5>;
 
-// All figures: p95 apart of bodies that move at profile 5, rms of their jerk in m/s^3, four seeds on
-// which these numbers were chosen, with the own hand's velocity from a low-pass of 25 ms.
+// All figures: p95 apart of bodies that move at profile 5, rms of their jerk in m/s^3, four seeds
+// on which these numbers were chosen, with the own hand's velocity from a low-pass of 25 ms.
 
 /// s, in which an acceleration fades. Cubes 11.6 mm, room 34, a piano with shared springs 4.3; with
 /// 0.6 s 10.6, 38 and 6.3, with the same jerk or more.
