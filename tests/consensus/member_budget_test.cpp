@@ -242,6 +242,7 @@ TEST_CASE("peer: a hundred thousand springs of any stiffness leave few, and room
   // 20 users of 1 kN on a kilogram, for 1.7 s, all one way, is the most; at 100 m they let go.
   CHECK((target.site.x() - from).norm() < 200.0);
   CHECK(target.site.tethers().size() <= 20 * 16);
+  // 1024 springs, each with the way of its hand: 2.2 KiB.
   CHECK(in_use() < before + (std::size_t{5} << 19));
   target.line.deliver(kHonest, target.spring(7));
   target.run(1, [](int) {});
@@ -292,7 +293,7 @@ TEST_CASE("peer: a million ids leave no more behind than two mebibytes",
   // Their states have expired, and with them all but what is remembered of who they were.
   target.run(90, honest);
   CHECK(target.site.peer->reports().size() <= 256);
-  CHECK(in_use() < before + (std::size_t{5} << 19));
+  CHECK(in_use() < before + (std::size_t{2} << 20));
 }
 
 // What the limits above come to in time, for docs/history/network-figures.md: never a test's

@@ -33,6 +33,8 @@ constexpr double kTremorDamping = 0.15;
 constexpr double kResolution = 2e-5;
 /// m/s, of a hand that has just begun to hold something.
 constexpr double kFirstSpeed = 1.0;
+/// s: after a longer silence nothing is left of a motion.
+constexpr double kSilence = 0.3;
 
 constexpr double squared(double x) { return x * x; }
 
@@ -119,7 +121,11 @@ HandFilter::HandFilter(const Vec3& position, const Vec3& velocity)
   covariance_[4][4] = tremor * squared(kTremorRate);
 }
 
-void HandFilter::add(double dt, const Vec3& position) {
+void HandFilter::add(double dt, const Vec3& position, const Vec3& velocity) {
+  if (!(dt > 0.0) || dt > kSilence) {
+    *this = HandFilter(position, velocity);
+    return;
+  }
   const Transition step(dt);
   const Matrix f = matrix(step);
   covariance_ = propagated(f, covariance_, dt);

@@ -23,13 +23,13 @@ class HandFilter {
   };
 
   HandFilter() = default;
+  /// A motion that begins.
   HandFilter(const pbd::Vec3& position, const pbd::Vec3& velocity);
 
-  /// s: after a longer silence nothing is left of the motion.
-  static constexpr double kSilence = 0.3;
-
-  /// @param dt  s since the last place, > 0, at most kSilence
-  void add(double dt, const pbd::Vec3& position);
+  /// @param dt  s since the last place. A clock that went back or stood begins a motion anew, and a
+  ///            silence of more than 0.3 s does.
+  /// @param velocity  m/s, of a motion that begins
+  void add(double dt, const pbd::Vec3& position, const pbd::Vec3& velocity);
   const Motion& motion() const { return motion_; }
 
  private:

@@ -12,12 +12,7 @@ using pbd::Vec3;
 
 void HandTrack::add(SessionTime stamp, const Vec3& position, const Vec3& velocity) {
   if (count_ > 0 && stamp <= newest()) clear();
-  const double dt = count_ > 0 ? seconds(stamp - newest()) : 0.0;
-  if (count_ == 0 || dt > HandFilter::kSilence) {
-    filter_ = HandFilter(position, velocity);
-  } else {
-    filter_.add(dt, position);
-  }
+  filter_.add(count_ > 0 ? seconds(stamp - newest()) : 0.0, position, velocity);
   samples_[end_] = {stamp, {position, velocity}};
   end_ = (end_ + 1) % kMaxSamples;
   count_ = std::min(count_ + 1, kMaxSamples);

@@ -93,7 +93,8 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
                       .body = body,
                       .mode = mode,
                       .tether = tether,
-                      .limited = limited});
+                      .limited = limited,
+                      .hand = HandFilter(def.anchor_w, pbd::Vec3::Zero())});
   return {next_++};
 }
 
@@ -105,12 +106,8 @@ bool Springs::holds(GrabId id) const {
 void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
   Own& own = own_spring(own_, id);
   pbd::detail::require_finite(anchor_w, "Peer::move", "anchor_w");
-  const double dt = seconds(now - own.moved);
-  if (own.moved == 0 || dt < 0.0 || dt > HandFilter::kSilence) {
-    own.hand = HandFilter(anchor_w, pbd::Vec3::Zero());
-  } else if (dt > 0.0) {
-    own.hand.add(dt, anchor_w);
-  }
+  // Of several places at one time the filter hears the first.
+  if (now != own.moved) own.hand.add(seconds(now - own.moved), anchor_w, pbd::Vec3::Zero());
   own.def.anchor_w = anchor_w;
   own.moved = now;
 }
@@ -319,7 +316,7 @@ void Springs::prepare(SessionTime now, double dt) {
       ++count;
     }
     SpringLimits::apply(limits_.share_of(own.body, sum), def);
-    // Between two moves it goes on here as it does at the others.
+    // Between two moves it goes on by its velocity.
     def.anchor_w = own.def.anchor_w + std::max(since, 0.0) * own.velocity();
     def.anchor_velocity = own.velocity();
     limits_.slow(world_, dt, count, def);

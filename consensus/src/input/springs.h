@@ -108,7 +108,7 @@ class Springs {
     pbd::ConstraintId tether = {};  ///< none in hard mode
     pbd::Tether::Def limited = {};  ///< its strength by itself
     SessionTime moved = 0;          ///< ns, of the anchor; 0 = never
-    HandFilter hand = {};           ///< from its first move on
+    HandFilter hand = {};
     HandTrack told = {};
     bool announced = false;
 
