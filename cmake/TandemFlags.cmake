@@ -13,6 +13,10 @@ endif()
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
 # Definitions are written Def{.mass = 2.0}; what is not named has its default.
 add_compile_options(-Wno-missing-field-initializers)
+if(WIN32)
+  # Windows 10 on; its headers define fewer macros over common names; numbers are printed as C99 has it.
+  add_compile_definitions(_WIN32_WINNT=0x0A00 NOMINMAX WIN32_LEAN_AND_MEAN __USE_MINGW_ANSI_STDIO=1)
+endif()
 if(TANDEM_WERROR)
   add_compile_options(-Werror)
 endif()

@@ -160,12 +160,16 @@ function(tandem_test name)
   target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   target_link_libraries(${target} PRIVATE tandem_test_main)
   # One entry for the whole executable: listing its cases would run it while it is built, and a
-  # sanitizer may need a prepared environment to start. Where instrumented, simulations that are long
-  # are left out: their steps are those of the others.
+  # sanitizer may need a prepared environment to start. Where instrumented or on another processor's
+  # emulator, simulations that are long are left out: their steps are those of the others.
   set(cases)
-  if(TANDEM_SANITIZE)
+  set(timeout 600)
+  if(CMAKE_CROSSCOMPILING_EMULATOR MATCHES qemu)
+    set(timeout 6000)
+  endif()
+  if(TANDEM_SANITIZE OR CMAKE_CROSSCOMPILING_EMULATOR MATCHES qemu)
     set(cases "~[long]")
   endif()
   add_test(NAME ${target} COMMAND ${target} ${cases})
-  set_tests_properties(${target} PROPERTIES TIMEOUT 600)
+  set_tests_properties(${target} PROPERTIES TIMEOUT ${timeout})
 endfunction()

@@ -12,7 +12,7 @@
 # their tests need (docs/scale.md), with --with-python what TANDEM_BUILD_PYTHON and its tests
 # need, with --with-robots what TANDEM_WITH_URDF and TANDEM_WITH_MJCF need (docs/scene_files.md), with
 # --with-web what the package for browsers is built and tested with (docs/web.md), with --with-cross what
-# benchmarks/determinism/cross.sh builds for ARM and Windows with and runs it on; all is built without it, too,
+# Tandem for 64 bit ARM and Windows is built with and runs on (docs/platforms.md); all is built without it, too,
 # and shows or does less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
@@ -36,7 +36,8 @@ for argument in "$@"; do
       packages+=(liburdfdom-dev libtinyxml-dev libmujoco-dev libqhull-dev python3-jsonschema) ;;
     --with-view) with_view ;;
     --with-cross)
-      packages+=(g++-aarch64-linux-gnu qemu-user g++-mingw-w64-x86-64-posix wine wine64 dpkg-dev clang) ;;
+      packages+=(g++-aarch64-linux-gnu qemu-user g++-mingw-w64-x86-64-posix wine wine64 dpkg-dev clang
+        autoconf automake libtool) ;;
     --with-web)
       packages+=(emscripten node-acorn dpkg-dev clang)
       command -v node >/dev/null || packages+=(nodejs)

@@ -2,16 +2,49 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Sets everything up, builds Release and runs the tests. Arguments go to ctest: tests/run.sh -R pbd
+# Sets everything up, builds Release and runs the tests. Further arguments go to ctest.
+#   tests/run.sh                             all tests, here
+#   tests/run.sh -R pbd                      those whose names match
+#   tests/run.sh --platform windows|arm64    all tests that run on an emulator (docs/platforms.md)
+#   tests/run.sh --platform arm64 --quick    those of the systems' own code, and a session of all platforms
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-bash cmake/install-deps.sh
-cmake --preset release
-cmake --build --preset release
+platform=native
+if [[ ${1-} == --platform ]]; then
+  platform=${2-}
+  shift 2 || true
+fi
+quick=()
+case $platform in
+  native) preset=release target='' ;;
+  windows) preset=windows target=x86_64-windows ;;
+  arm64) preset=arm64 target=aarch64-linux ;;
+  *) echo "run.sh: --platform windows or arm64, not '$platform'" >&2; exit 2 ;;
+esac
+if [[ -n $target && ${1-} == --quick ]]; then
+  shift
+  quick=(pbd_threads_test scene_files_test obj_test net_test net_protocol_test c_test)
+  names=$(IFS='|' && echo "${quick[*]}")
+  set -- -R "^($names|cross_session)$" "$@"
+  quick+=(cubes tandem-key)
+fi
+
+if [[ -z $target ]]; then
+  bash cmake/install-deps.sh
+else
+  bash cmake/install-deps.sh --with-cross
+  bash cmake/cross/sysroot.sh "$target"
+fi
+cmake --preset "$preset"
+if [[ ${#quick[@]} -gt 0 ]]; then
+  cmake --build --preset "$preset" --target "${quick[@]}"
+else
+  cmake --build --preset "$preset"
+fi
 # What happens in wall time fails where the machine stalls: there is a second try for it, which shows
 # in what ctest prints, and for nothing else.
 status=0
-ctest --preset release -LE wall_time "$@" || status=1
-ctest --preset release -L wall_time --repeat until-pass:2 "$@" || status=1
+ctest --preset "$preset" -LE wall_time "$@" || status=1
+ctest --preset "$preset" -L wall_time --repeat until-pass:2 "$@" || status=1
 exit $status

@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <thread>
 
-#include "page_server/web_client.h"
+#include "support/web_client.h"
 #include "view/server.h"
 
 namespace {

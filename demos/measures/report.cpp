@@ -37,7 +37,13 @@ consensus::SessionTime table_start(const Report& report) {
   return start == INT64_MAX ? first_time(report.run.peers) : start;
 }
 
-__attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ...) {
+#ifdef __MINGW_PRINTF_FORMAT  // "printf" means another C library's formats there
+__attribute__((format(__MINGW_PRINTF_FORMAT, 1, 2)))
+#else
+__attribute__((format(printf, 1, 2)))
+#endif
+std::string
+format(const char* pattern, ...) {
   std::array<char, 256> text{};
   va_list arguments;
   va_start(arguments, pattern);

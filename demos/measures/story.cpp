@@ -2,8 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "measures/story.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -12,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "arguments/terminal.h"
 #include "scenes/words.h"
 
 namespace tandem::demos {
@@ -200,7 +199,7 @@ std::string side_by_side(const std::vector<Row>& table, const Ink& ink) {
 
 bool may_colour(std::FILE* file) {
   const char* const forbidden = std::getenv("NO_COLOR");
-  return (forbidden == nullptr || *forbidden == '\0') && isatty(fileno(file)) == 1;
+  return (forbidden == nullptr || *forbidden == '\0') && is_terminal(file);
 }
 
 std::string story(const Scenario& scenario, const Report& report, const Report* beside,

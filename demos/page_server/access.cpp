@@ -2,10 +2,13 @@
 // Copyright (c) 2026 The Tandem authors
 #include "page_server/access.h"
 
+#ifndef _WIN32
 #include <sys/random.h>
+#endif
 
 #include <algorithm>
 #include <array>
+#include <random>
 #include <stdexcept>
 
 namespace tandem::page_server {
@@ -23,12 +26,17 @@ bool same_secret(std::string_view a, std::string_view b) {
 
 std::string random_token() {
   std::array<unsigned char, 16> bytes{};
+#ifdef _WIN32
+  std::random_device random;  // rand_s, the system's
+  for (unsigned char& byte : bytes) byte = static_cast<unsigned char>(random());
+#else
   std::size_t filled = 0;
   while (filled < bytes.size()) {
     const ssize_t got = getrandom(bytes.data() + filled, bytes.size() - filled, 0);
     if (got <= 0) throw std::runtime_error("the system has no random numbers");
     filled += static_cast<std::size_t>(got);
   }
+#endif
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string token;
   for (const unsigned char byte : bytes) {

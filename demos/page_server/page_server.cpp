@@ -2,14 +2,12 @@
 // Copyright (c) 2026 The Tandem authors
 #include "page_server/page_server.h"
 
-#include <pthread.h>
-#include <time.h>
-
 #include <chrono>
 #include <stdexcept>
 
 #include "page_server/access.h"
 #include "page_server/request.h"
+#include "tandem/pbd/cpu_timer.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::page_server {
@@ -61,8 +59,9 @@ PageServer::PageServer(Options options, Site& site) : options_(std::move(options
 
 void PageServer::start() {
   accept();
-  thread_ = std::thread([this] { io_.run(); });
-  pthread_getcpuclockid(thread_.native_handle(), &cpu_clock_);
+  thread_ = std::thread([this] {
+    while (io_.run_one() > 0) cpu_s_.store(pbd::thread_cpu_seconds(), std::memory_order_relaxed);
+  });
 }
 
 void PageServer::stop() {
@@ -87,11 +86,7 @@ std::string PageServer::url() const {
          options_.token + '/';
 }
 
-double PageServer::cpu_s() const {
-  timespec cpu{};
-  clock_gettime(cpu_clock_, &cpu);
-  return static_cast<double>(cpu.tv_sec) + 1e-9 * static_cast<double>(cpu.tv_nsec);
-}
+double PageServer::cpu_s() const { return cpu_s_.load(std::memory_order_relaxed); }
 
 bool PageServer::is_own_name(std::string_view host) const {
   return (!options_.name.empty() && host == options_.name) || is_name_of(host, address_, port_);

@@ -2,8 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <time.h>
-
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -124,7 +122,7 @@ class PageServer {
   bool stopping_ = false;
   std::atomic<std::uint64_t> refused_ = 0;
   std::thread thread_;
-  clockid_t cpu_clock_{};  ///< of thread_
+  std::atomic<double> cpu_s_{0};  ///< of thread_
 };
 
 }  // namespace tandem::page_server

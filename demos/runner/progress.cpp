@@ -2,14 +2,14 @@
 // Copyright (c) 2026 The Tandem authors
 #include "runner/progress.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 
+#include "arguments/terminal.h"
+
 namespace tandem::demos {
 
-Progress::Progress(bool quiet, int runs) : on_(!quiet && isatty(STDERR_FILENO) == 1), runs_(runs) {}
+Progress::Progress(bool quiet, int runs) : on_(!quiet && is_terminal(stderr)), runs_(runs) {}
 
 Progress::~Progress() {
   // Back to the start of an empty line.

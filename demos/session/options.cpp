@@ -95,7 +95,8 @@ void read_send(Argument& in, DemoOptions& o) {
     if (key == "tolerance") {
       o.tolerance = number("--send tolerance", value, 0.0, 10.0, "a number from 0 to 10 m");
     }
-    if (key == "near") o.near = limit("--send near", value, 0.1, 1e4, "0 or from 0.1 to 1e4 m");
+    if (key == "near")
+      o.interest_radius = limit("--send near", value, 0.1, 1e4, "0 or from 0.1 to 1e4 m");
   });
 }
 

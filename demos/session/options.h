@@ -84,8 +84,9 @@ struct DemoOptions {
   std::size_t max_state_bytes = 64 * 1024;  ///< bytes of the longest state
   double clock_spread = 0.0;                ///< s, from one virtual peer's clock to the next one's
   bool compact = false;                     ///< states are rounded to few bits
-  double budget = 0.0;     ///< kbit/s that a peer sends to each of the others; 0 = no limit
-  double near = 0.0;       ///< m: others are told of what is near their users; 0 = of everything
+  double budget = 0.0;  ///< kbit/s that a peer sends to each of the others; 0 = no limit
+  double interest_radius =
+      0.0;                 ///< m: others are told of what is near their users; 0 = of everything
   double tolerance = 0.0;  ///< m, of what the others expect: above it a state is sent; 0 = always
 
   std::optional<std::uint16_t> listen;  ///< one peer of several processes, accepts others here

@@ -99,10 +99,10 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
 void Participant::make_peer(const DemoOptions& options) {
   interest_.reset();
   peer_.emplace(*scene_.world, signals_, options.peer_options(options.scheme_of(number_)));
-  if (options.near > 0.0) {
-    interest_.emplace(
-        *scene_.world, *peer_,
-        consensus::NearbyInterestOptions{.radius = options.near, .slack = 0.1 * options.near});
+  if (options.interest_radius > 0.0) {
+    interest_.emplace(*scene_.world, *peer_,
+                      consensus::NearbyInterestOptions{.radius = options.interest_radius,
+                                                       .slack = 0.1 * options.interest_radius});
   }
   peer_->set_observer(this);
   targets_ = options.ablation.around(*peer_);

@@ -126,7 +126,7 @@ std::vector<std::string> run_arguments(const DemoOptions& o) {
   send.flag("compact", o.compact);
   send.number("budget", o.budget, usual.budget);
   send.number("tolerance", o.tolerance, usual.tolerance);
-  send.number("near", o.near, usual.near);
+  send.number("near", o.interest_radius, usual.interest_radius);
   words.list("--send", send);
   if (o.rates != usual.rates) {
     words.add("--rates", joined(o.rates, [](double rate) { return digits(rate); }));

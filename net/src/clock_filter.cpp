@@ -16,14 +16,14 @@ std::int64_t drifted(std::int64_t elapsed) {
       std::ceil(ClockFilter::kMaxDrift * static_cast<double>(std::max<std::int64_t>(elapsed, 0))));
 }
 
-bool near(std::int64_t time) {
+bool is_near(std::int64_t time) {
   return time > -ClockFilter::kFarthest && time < ClockFilter::kFarthest;
 }
 
 }  // namespace
 
 bool ClockFilter::add(const ClockSample& sample) {
-  if (!near(sample.their_received) || !near(sample.their_sent)) return false;
+  if (!is_near(sample.their_received) || !is_near(sample.their_sent)) return false;
   const std::int64_t elapsed = sample.received - sample.sent;
   const std::int64_t held = sample.their_sent - sample.their_received;
   const std::int64_t slack = drifted(elapsed) + kGrain;

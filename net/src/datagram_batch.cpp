@@ -2,8 +2,13 @@
 // Copyright (c) 2026 The Tandem authors
 #include "datagram_batch.h"
 
+#ifdef _WIN32
+#include <winsock2.h>
+#include <ws2tcpip.h>
+#else
 #include <netinet/in.h>
 #include <sys/socket.h>
+#endif
 #ifdef __linux__
 #include <linux/filter.h>
 #endif
@@ -20,67 +25,73 @@ namespace tandem::net {
 
 class DatagramBatch::Impl {
  public:
-  Impl() {
+  Read read(NativeSocket socket);
+
+  std::size_t count = 0;
+  std::array<std::size_t, kCount> lengths{};  ///< bytes, of a datagram that was cut as well
+  std::array<sockaddr_storage, kCount> names{};
+  std::array<std::array<std::byte, kBytes>, kCount> memory{};
+
+ private:
+  Read read_each(NativeSocket socket);
+#ifdef __linux__
+  bool many_ = true;
+#endif
+};
+
+DatagramBatch::Read DatagramBatch::Impl::read(NativeSocket socket) {
+  count = 0;
+#ifdef __linux__
+  if (many_) {
+    std::array<mmsghdr, kCount> messages{};
+    std::array<iovec, kCount> parts{};
     for (std::size_t i = 0; i < kCount; ++i) {
-      parts[i] = {.iov_base = memory[i].data(), .iov_len = memory[i].size()};
+      parts[i] = {.iov_base = memory[i].data(), .iov_len = kBytes};
       msghdr& header = messages[i].msg_hdr;
-      header = {};
       header.msg_name = &names[i];
+      header.msg_namelen = sizeof names[i];
       header.msg_iov = &parts[i];
       header.msg_iovlen = 1;
     }
-  }
-
-#ifdef __linux__
-  using Message = mmsghdr;
-  ssize_t read(int socket) {
-    for (Message& message : messages) message.msg_hdr.msg_namelen = sizeof(sockaddr_storage);
-    if (many) {
-      const int got = ::recvmmsg(socket, messages.data(), kCount, MSG_DONTWAIT, nullptr);
-      if (got >= 0 || errno != ENOSYS) return got;
-      many = false;
+    const int got = ::recvmmsg(socket, messages.data(), kCount, MSG_DONTWAIT, nullptr);
+    if (got >= 0) {
+      count = static_cast<std::size_t>(got);
+      for (std::size_t i = 0; i < count; ++i) lengths[i] = messages[i].msg_len;
+      return count > 0 ? Read::Some : Read::Nothing;
     }
-    return read_one(socket);
-  }
-  bool many = true;
-#else
-  struct Message {
-    msghdr msg_hdr;
-    unsigned int msg_len;
-  };
-  ssize_t read(int socket) {
-    messages[0].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
-    return read_one(socket);
+    if (errno == EAGAIN || errno == EWOULDBLOCK) return Read::Nothing;
+    if (errno != ENOSYS) return Read::Error;
+    many_ = false;
   }
 #endif
-  ssize_t read_one(int socket) {
-    const ssize_t got = ::recvmsg(socket, &messages[0].msg_hdr, MSG_DONTWAIT);
-    if (got < 0) return got;
-    messages[0].msg_len = static_cast<unsigned int>(got);
-    return 1;
-  }
+  return read_each(socket);
+}
 
-  std::size_t count = 0;
-  std::array<Message, kCount> messages{};
-  std::array<iovec, kCount> parts{};
-  std::array<sockaddr_storage, kCount> names{};
-  std::array<std::array<std::byte, kBytes>, kCount> memory{};
-};
+DatagramBatch::Read DatagramBatch::Impl::read_each(NativeSocket socket) {
+  for (count = 0; count < kCount; ++count) {
+    socklen_t name_length = sizeof names[count];
+    const auto got = ::recvfrom(socket, reinterpret_cast<char*>(memory[count].data()), kBytes, 0,
+                                reinterpret_cast<sockaddr*>(&names[count]), &name_length);
+    if (got < 0) break;
+    lengths[count] = static_cast<std::size_t>(got);
+  }
+  if (count > 0) return Read::Some;
+#ifdef _WIN32
+  return ::WSAGetLastError() == WSAEWOULDBLOCK ? Read::Nothing : Read::Error;
+#else
+  return errno == EAGAIN || errno == EWOULDBLOCK ? Read::Nothing : Read::Error;
+#endif
+}
 
 DatagramBatch::DatagramBatch() : impl_(std::make_unique<Impl>()) {}
 DatagramBatch::~DatagramBatch() = default;
 
-DatagramBatch::Read DatagramBatch::read(int socket) {
-  const ssize_t got = impl_->read(socket);
-  impl_->count = got > 0 ? static_cast<std::size_t>(got) : 0;
-  if (got > 0) return Read::Some;
-  return got == 0 || errno == EAGAIN || errno == EWOULDBLOCK ? Read::Nothing : Read::Error;
-}
+DatagramBatch::Read DatagramBatch::read(NativeSocket socket) { return impl_->read(socket); }
 
 std::size_t DatagramBatch::size() const { return impl_->count; }
 
 std::span<const std::byte> DatagramBatch::bytes(std::size_t index) const {
-  const std::size_t length = impl_->messages[index].msg_len;
+  const std::size_t length = impl_->lengths[index];
   return std::span(impl_->memory[index]).first(std::min(length, kBytes));
 }
 
@@ -102,23 +113,27 @@ Address DatagramBatch::from(std::size_t index) const {
   return out;
 }
 
-bool forbid_fragments(int socket) {
-#if defined(__linux__)
+bool forbid_fragments(NativeSocket socket) {
+  const auto set = [&](int level, int name, int value) {
+    return ::setsockopt(socket, level, name, reinterpret_cast<const char*>(&value), sizeof value) ==
+           0;
+  };
   // A socket for IPv6 sends to IPv4 as well.
-  const int v6 = IPV6_PMTUDISC_PROBE;
-  (void)::setsockopt(socket, IPPROTO_IPV6, IPV6_MTU_DISCOVER, &v6, sizeof v6);
-  const int v4 = IP_PMTUDISC_PROBE;
-  return ::setsockopt(socket, IPPROTO_IP, IP_MTU_DISCOVER, &v4, sizeof v4) == 0;
+#if defined(__linux__)
+  (void)set(IPPROTO_IPV6, IPV6_MTU_DISCOVER, IPV6_PMTUDISC_PROBE);
+  return set(IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_PROBE);
+#elif defined(_WIN32)
+  (void)set(IPPROTO_IPV6, IPV6_DONTFRAG, 1);
+  return set(IPPROTO_IP, IP_DONTFRAGMENT, 1);
 #elif defined(IP_DONTFRAG)
-  const int on = 1;
-  return ::setsockopt(socket, IPPROTO_IP, IP_DONTFRAG, &on, sizeof on) == 0;
+  return set(IPPROTO_IP, IP_DONTFRAG, 1);
 #else
-  static_cast<void>(socket);
+  static_cast<void>(set);
   return false;
 #endif
 }
 
-bool attach_filter(int socket, std::uint16_t prefix) {
+bool attach_filter(NativeSocket socket, std::uint16_t prefix) {
 #ifdef __linux__
   // Offsets count from the UDP header; numbers are read most significant byte first. A load beyond
   // the end drops the datagram.

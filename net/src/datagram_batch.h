@@ -11,6 +11,12 @@
 
 namespace tandem::net {
 
+#ifdef _WIN32
+using NativeSocket = std::uintptr_t;  // SOCKET
+#else
+using NativeSocket = int;
+#endif
+
 /// Datagrams read from a socket that does not block, many with one call where the system can
 /// (recvmmsg), one with each elsewhere.
 class DatagramBatch {
@@ -24,7 +30,7 @@ class DatagramBatch {
   DatagramBatch& operator=(const DatagramBatch&) = delete;
 
   enum class Read { Some, Nothing, Error };  // Error: of something that was sent; read on
-  Read read(int socket);
+  Read read(NativeSocket socket);
 
   std::size_t size() const;
   std::span<const std::byte> bytes(std::size_t index) const;
@@ -37,11 +43,11 @@ class DatagramBatch {
 
 /// Makes datagrams leave in one piece or not at all, whatever the kernel believes of the way. False
 /// where it cannot: then their longest length cannot be found out.
-bool forbid_fragments(int socket);
+bool forbid_fragments(NativeSocket socket);
 
 /// Lets the kernel drop, before it wakes anybody, what cannot be for this socket: neither a
 /// handshake by its first bytes nor a packet for a receiver number of this `prefix` (its upper
 /// half). False where the kernel cannot; then they are dropped here.
-bool attach_filter(int socket, std::uint16_t prefix);
+bool attach_filter(NativeSocket socket, std::uint16_t prefix);
 
 }  // namespace tandem::net

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "tandem/pbd/validate.h"
+#include "timer_resolution.h"
 
 namespace tandem::net {
 
@@ -46,6 +47,9 @@ std::string to_string(const HostPort& address) {
 class __attribute__((visibility("hidden"))) StopSignal::Impl {
  public:
   Impl() : signals_(context_, SIGINT, SIGTERM) {
+#ifdef SIGBREAK  // Ctrl+Break, and on Windows a console that is closed
+    signals_.add(SIGBREAK);
+#endif
     signals_.async_wait([this](const std::error_code& error, int) {
       if (error) return;
       std::error_code ignored;
@@ -85,6 +89,7 @@ class __attribute__((visibility("hidden"))) StopSignal::Impl {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   bool requested_ = false;
+  TimerResolution timer_resolution_;
   asio::io_context context_{1};
   asio::signal_set signals_;
   std::thread thread_;

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "support/aligned_memory.h"
+
 namespace {
 std::atomic<std::size_t> g_allocations{0};
 }
@@ -22,13 +24,16 @@ void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
 }
 void* operator new(std::size_t size, std::align_val_t alignment) {
   ++g_allocations;
-  const auto align = static_cast<std::size_t>(alignment);
-  void* memory = std::aligned_alloc(align, (size + align - 1) / align * align);
+  void* memory = tandem::testing::aligned_memory(size, static_cast<std::size_t>(alignment));
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept {
+  tandem::testing::free_aligned(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  tandem::testing::free_aligned(memory);
+}
 void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }

@@ -106,7 +106,7 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.peer_options().sending.format == consensus::StateFormat::Compact);
   CHECK(o.peer_options().sending.kbit_per_s == 256.0);
   CHECK(o.peer_options().sending.tolerance == 0.002);
-  CHECK(o.near == 4.0);
+  CHECK(o.interest_radius == 4.0);
   CHECK(o.peer_options().update_hz == 30.0);
   CHECK(o.peer_options().coupling == consensus::Coupling::TwoStep);
 }

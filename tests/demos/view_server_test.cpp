@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "page_server/web_client.h"
+#include "support/web_client.h"
 #include "support/catch.h"
 #include "support/hostile_requests.h"
 #include "view/server.h"

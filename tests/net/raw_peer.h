@@ -2,13 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -22,6 +15,7 @@
 
 #include "support/catch.h"
 #include "support/eventually.h"
+#include "support/sockets.h"
 #include "tandem/net/tcp.h"
 
 /// A peer made of a plain socket, with an encoding of its own: the wire format as bytes.
@@ -108,7 +102,7 @@ class Socket {
   /// @param from  a loopback address, host byte order
   static Socket connect(std::uint16_t port, int receive_buffer = 0,
                         std::uint32_t from = INADDR_LOOPBACK) {
-    Socket out(::socket(AF_INET, SOCK_STREAM, 0));
+    Socket out(static_cast<int>(::socket(AF_INET, SOCK_STREAM, 0)));
     const int on = 1;
     ::setsockopt(out.fd_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     if (receive_buffer > 0) {
@@ -125,12 +119,13 @@ class Socket {
   }
 
   void close() {
-    if (fd_ >= 0) ::close(std::exchange(fd_, -1));
+    if (fd_ >= 0) tandem::testing::close_socket(std::exchange(fd_, -1));
   }
 
   /// As when the process is killed with bytes on the way: the other end sees a reset.
   void reset() {
-    const linger now{.l_onoff = 1, .l_linger = 0};
+    linger now{};
+    now.l_onoff = 1;
     ::setsockopt(fd_, SOL_SOCKET, SO_LINGER, &now, sizeof now);
     close();
   }
@@ -196,7 +191,7 @@ class Socket {
 /// Listens on a free port of the loopback address.
 class Listener : public Socket {
  public:
-  Listener() : Socket(::socket(AF_INET, SOCK_STREAM, 0)) {
+  Listener() : Socket(static_cast<int>(::socket(AF_INET, SOCK_STREAM, 0))) {
     sockaddr_in at{};
     at.sin_family = AF_INET;
     at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -210,7 +205,7 @@ class Listener : public Socket {
   std::uint16_t port() const { return port_; }
   Socket accept() {
     REQUIRE(readable(20000));
-    return Socket(::accept(fd_, nullptr, nullptr));
+    return Socket(static_cast<int>(::accept(fd_, nullptr, nullptr)));
   }
 
  private:
@@ -238,7 +233,7 @@ inline Joined join(Socket& socket, const Greeting& greeting, std::uint64_t recei
   return out;
 }
 
-/// Fails the test where descriptors or threads are left at the end of its scope.
+/// Fails the test where descriptors or threads are left at the end of its scope. On Linux alone.
 class LeakCheck {
  public:
   LeakCheck() : files_(count("/proc/self/fd")), threads_(count("/proc/self/task")) {}
@@ -249,7 +244,12 @@ class LeakCheck {
   }
 
   static std::ptrdiff_t count(const char* folder) {
+#ifdef __linux__
     return std::distance(std::filesystem::directory_iterator(folder), {});
+#else
+    static_cast<void>(folder);
+    return 0;
+#endif
   }
 
  private:

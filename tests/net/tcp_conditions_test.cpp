@@ -130,8 +130,8 @@ class Relay {
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
       }
-      ::close(dialler);
-      ::close(target);
+      tandem::testing::close_socket(dialler);
+      tandem::testing::close_socket(target);
     }
   }
 

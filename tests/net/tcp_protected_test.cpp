@@ -85,7 +85,7 @@ class Middle {
   class End {
    public:
     explicit End(int fd) : fd_(fd) {}
-    ~End() { ::close(fd_); }
+    ~End() { tandem::testing::close_socket(fd_); }
     End(const End&) = delete;
     End& operator=(const End&) = delete;
 

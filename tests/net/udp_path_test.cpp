@@ -2,10 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // UdpTransport over ways that are no socket of its own, and with real sockets that change.
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <array>
 #include <atomic>
@@ -21,6 +17,7 @@
 
 #include "support/catch.h"
 #include "support/eventually.h"
+#include "support/sockets.h"
 #include "tandem/net/udp.h"
 
 namespace udp_path_test {
@@ -107,14 +104,14 @@ class Roamer final : public DatagramPath {
   ~Roamer() override {
     ends_ = true;
     thread_.join();
-    ::close(socket_);
+    tandem::testing::close_socket(socket_);
   }
   Roamer(const Roamer&) = delete;
   Roamer& operator=(const Roamer&) = delete;
 
   void move(std::uint8_t host) {
     const std::scoped_lock lock(mutex_);
-    ::close(socket_);
+    tandem::testing::close_socket(socket_);
     socket_ = open(host);
   }
   void send(std::span<const std::byte> datagram) override {
@@ -135,7 +132,7 @@ class Roamer final : public DatagramPath {
     return out;
   }
   int open(std::uint8_t host) const {
-    const int out = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
+    const int out = tandem::testing::nonblocking_socket(SOCK_DGRAM);
     const sockaddr_in own = address(host, 0);
     const sockaddr_in to = address(1, port_);
     if (::bind(out, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0 ||

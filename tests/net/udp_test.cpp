@@ -4,10 +4,6 @@
 // Real sockets on loopback.
 #include "tandem/net/udp.h"
 
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -17,6 +13,7 @@
 
 #include "support/catch.h"
 #include "support/eventually.h"
+#include "support/sockets.h"
 
 namespace udp_test {
 
@@ -215,7 +212,7 @@ TEST_CASE("udp: a live session under junk, oversized datagrams, questions and re
     for (const Packet& packet : packets) CHECK(packet.bytes == bytes(500, got++));
     return got == 100;
   }));
-  ::close(attacker);
+  tandem::testing::close_socket(attacker);
   CHECK(status(a, 2).connected);
   CHECK(status(a, 2).rejected == 0);
   CHECK(a.strangers().challenged + a.strangers().limited > 100);

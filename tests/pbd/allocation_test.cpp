@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "support/aligned_memory.h"
 #include "support/catch.h"
 #include "support/targets.h"
 #include "support/toy_contacts.h"
@@ -25,8 +26,7 @@ void* allocate(std::size_t size) {
 }
 void* allocate(std::size_t size, std::align_val_t alignment) {
   if (counting) ++allocations;
-  const auto align = static_cast<std::size_t>(alignment);
-  void* memory = std::aligned_alloc(align, (size + align - 1) / align * align);
+  void* memory = tandem::testing::aligned_memory(size, static_cast<std::size_t>(alignment));
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
@@ -49,10 +49,14 @@ void operator delete(void* p, const std::nothrow_t&) noexcept { std::free(p); }
 void operator delete[](void* p, const std::nothrow_t&) noexcept { std::free(p); }
 void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { tandem::testing::free_aligned(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { tandem::testing::free_aligned(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+  tandem::testing::free_aligned(p);
+}
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
+  tandem::testing::free_aligned(p);
+}
 
 using namespace tandem::pbd;
 using namespace tandem::testing;

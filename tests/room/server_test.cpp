@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "page_server/web_client.h"
+#include "support/web_client.h"
 #include "server/room_server.h"
 #include "support/catch.h"
 #include "support/hostile_requests.h"

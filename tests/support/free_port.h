@@ -2,13 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <cstdint>
 
 #include "support/catch.h"
+#include "support/sockets.h"
 
 namespace tandem::testing {
 
@@ -17,19 +14,20 @@ namespace tandem::testing {
 /// nobody listens yet may even be given it, and reach himself.
 /// @param kind  SOCK_STREAM or SOCK_DGRAM
 inline std::uint16_t free_port(int kind = SOCK_STREAM) {
+  start_sockets();
   constexpr int kFirst = 20000;  // below all that kernels hand out, above the well-known
   constexpr int kCount = 10000;
-  static int next = static_cast<int>(getpid()) * 37;  // tests of several processes at a time
+  static int next = process_id() * 37;  // tests of several processes at a time
   for (int tries = 0; tries < kCount; ++tries) {
     const auto port = static_cast<std::uint16_t>(kFirst + next++ % kCount);
-    const int fd = socket(AF_INET, kind, 0);
+    const int fd = static_cast<int>(socket(AF_INET, kind, 0));
     REQUIRE(fd >= 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     address.sin_port = htons(port);
     const bool is_free = bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-    close(fd);
+    close_socket(fd);
     if (is_free) return port;
   }
   FAIL("no port is free");

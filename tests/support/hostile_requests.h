@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "page_server/web_client.h"
 #include "support/catch.h"
+#include "support/web_client.h"
 
 namespace tandem::testing {
 

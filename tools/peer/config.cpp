@@ -250,7 +250,7 @@ void read_network(Section in, const std::filesystem::path& file, const std::stri
   in.read("kbit_per_s", o.budget, 32.0, 1e6, "a number from 32 to 1e6 kbit/s");
   in.read("compact", o.compact);
   in.read("tolerance", o.tolerance, 0.0, 10.0, "a number from 0 to 10 m");
-  in.read("near", o.near, 0.0, 1e4, "a number from 0 to 1e4 m");
+  in.read("near", o.interest_radius, 0.0, 1e4, "a number from 0 to 1e4 m");
   if (o.wire == Wire::Tcp) {
     for (const char* key : {"clock", "kbit_per_s", "ice", "stun", "turn"}) {
       if (in.has(key)) in.refuse(key, "absent with transport = \"tcp\"");

@@ -2,18 +2,23 @@
 // Copyright (c) 2026 The Tandem authors
 #include "peer/log.h"
 
-#include <unistd.h>
-
 #include <array>
 #include <cerrno>
-#include <ctime>
 #include <system_error>
+
+#include "arguments/terminal.h"
 
 namespace tandem::demos {
 
 namespace {
 
 constexpr std::array<std::string_view, 4> kLevels = {"debug", "info", "warn", "error"};
+// Not handed on to programs that this one starts, where the system lets a file say so.
+#ifdef _WIN32
+constexpr const char* kAppend = "a";
+#else
+constexpr const char* kAppend = "ae";
+#endif
 constexpr std::size_t kLongestValue = 200;  // bytes of a value
 
 std::string quoted_value(std::string_view value) {
@@ -40,14 +45,14 @@ std::string quoted_value(std::string_view value) {
 
 std::string iso8601(std::chrono::system_clock::time_point time) {
   using namespace std::chrono;
-  const std::int64_t ms = duration_cast<milliseconds>(time.time_since_epoch()).count();
-  const std::time_t seconds = ms / 1000;
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  std::array<char, 32> date{};
-  std::strftime(date.data(), date.size(), "%Y-%m-%dT%H:%M:%S", &utc);
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "%s.%03dZ", date.data(), static_cast<int>(ms % 1000));
+  const auto midnight = floor<days>(time);
+  const year_month_day date(midnight);
+  const hh_mm_ss clock(floor<milliseconds>(time - midnight));
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", int(date.year()),
+                unsigned(date.month()), unsigned(date.day()), int(clock.hours().count()),
+                int(clock.minutes().count()), int(clock.seconds().count()),
+                int(clock.subseconds().count()));
   return text.data();
 }
 
@@ -79,9 +84,9 @@ std::string logfmt(std::chrono::system_clock::time_point time, Level level, std:
 }
 
 Log::Log(const std::string& file, Level least, bool status)
-    : file_(file.empty() ? nullptr : std::fopen(file.c_str(), "ae")),
+    : file_(file.empty() ? nullptr : std::fopen(file.c_str(), kAppend)),
       least_(least),
-      shows_status_(status && isatty(STDERR_FILENO) == 1) {
+      shows_status_(status && is_terminal(stderr)) {
   if (!file.empty() && file_ == nullptr) {
     throw std::system_error(errno, std::generic_category(), "log.file = " + file);
   }

@@ -2,9 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "peer/node.h"
 
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -13,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "arguments/terminal.h"
 #include "peer/divergence_gauge.h"
 #include "peer/fidget.h"
 #include "peer/link_words.h"
@@ -73,12 +71,6 @@ std::int64_t steady_now() {
       .count();
 }
 
-std::size_t terminal_columns() {
-  winsize size{};
-  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 80;
-  return size.ws_col;
-}
-
 class Node {
  public:
   Node(const Scenario& scenario, const PeerConfig& config, Log& log)
@@ -96,10 +88,11 @@ class Node {
         signals_(trace_ ? trace_->transport() : words_, config.session.peer_options().timestamps),
         peer_(*scene_.world, signals_, config.session.peer_options()),
         clock_(net::PhysicsClockOptions::at_rate(config.session.step_hz(0)), network_->now()) {
-    if (config.session.near > 0.0) {
-      interest_.emplace(*scene_.world, peer_,
-                        consensus::NearbyInterestOptions{.radius = config.session.near,
-                                                         .slack = 0.1 * config.session.near});
+    if (config.session.interest_radius > 0.0) {
+      interest_.emplace(
+          *scene_.world, peer_,
+          consensus::NearbyInterestOptions{.radius = config.session.interest_radius,
+                                           .slack = 0.1 * config.session.interest_radius});
     }
     peer_.set_observer(&divergence_);
     estimates_.first = &divergence_;

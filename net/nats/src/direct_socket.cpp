@@ -101,7 +101,7 @@ void DirectSocket::send(std::span<const std::byte> datagram, const net::Address&
 
 void DirectSocket::run() {
   net::DatagramBatch batch;
-  const int socket = socket_.socket().native_handle();
+  const net::NativeSocket socket = socket_.socket().native_handle();
   std::array<pollfd, 2> waits{{{socket, POLLIN, 0}, {wake_[0], POLLIN, 0}}};
   for (;;) {
     if (poll(waits.data(), waits.size(), -1) < 0 && errno != EINTR) return;

@@ -2,13 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <sys/time.h>
-#include <unistd.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,6 +9,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "support/sockets.h"
 
 namespace tandem::testing {
 
@@ -28,7 +23,7 @@ class WebClient {
   /// @param receive_bytes  of the socket's buffer: small where a page is to be slow; 0 = as it is
   /// @throws std::runtime_error where nobody listens there
   WebClient(const std::string& address, std::uint16_t port, int receive_bytes = 0)
-      : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+      : socket_(static_cast<int>(socket(AF_INET, SOCK_STREAM, 0))) {
     if (receive_bytes > 0) {
       setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof(receive_bytes));
     }
@@ -37,7 +32,7 @@ class WebClient {
     to.sin_port = htons(port);
     inet_pton(AF_INET, address.c_str(), &to.sin_addr);
     if (connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) != 0) {
-      ::close(socket_);
+      close_socket(socket_);
       throw std::runtime_error("web client: nobody listens on " + address);
     }
   }
@@ -46,7 +41,7 @@ class WebClient {
   WebClient& operator=(const WebClient&) = delete;
 
   void close() {
-    if (socket_ >= 0) ::close(std::exchange(socket_, -1));
+    if (socket_ >= 0) close_socket(std::exchange(socket_, -1));
   }
   bool send(std::string_view bytes) {
     while (!bytes.empty()) {
