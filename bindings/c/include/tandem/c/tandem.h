@@ -5,8 +5,11 @@
 
 /**
  * @file
- * Tandem for languages that call C: worlds, bodies, shapes, joints, stepping, and sharing over
- * transports of the caller's.
+ * Tandem for languages that call C: worlds, bodies, shapes, joints, stepping, sharing over
+ * transports of the caller's, and whole sessions over sockets.
+ *
+ * What begins with TANDEM_C_API is in the library tandem_c, with TANDEM_C_SESSION_API in
+ * tandem_c_session: a program links those that it calls.
  *
  * Units are m, kg, s, N, rad; quaternions are x, y, z, w, unit, body to world. Times of a session
  * are nanoseconds.
@@ -27,12 +30,31 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* TANDEM_C_SHARED is for users of DLLs; the CMake targets and pkg-config files define it. The
+ * others are defined where the library itself is built as a shared one. */
 #if defined(_WIN32)
-#define TANDEM_C_API __declspec(dllimport)
-#elif defined(__GNUC__)
-#define TANDEM_C_API __attribute__((visibility("default")))
+#define TANDEM_C_EXPORT __declspec(dllexport)
+#if defined(TANDEM_C_SHARED)
+#define TANDEM_C_IMPORT __declspec(dllimport)
 #else
-#define TANDEM_C_API
+#define TANDEM_C_IMPORT
+#endif
+#elif defined(__GNUC__)
+#define TANDEM_C_EXPORT __attribute__((visibility("default")))
+#define TANDEM_C_IMPORT TANDEM_C_EXPORT
+#else
+#define TANDEM_C_EXPORT
+#define TANDEM_C_IMPORT
+#endif
+#if defined(tandem_c_EXPORTS)
+#define TANDEM_C_API TANDEM_C_EXPORT
+#else
+#define TANDEM_C_API TANDEM_C_IMPORT
+#endif
+#if defined(tandem_c_session_EXPORTS)
+#define TANDEM_C_SESSION_API TANDEM_C_EXPORT
+#else
+#define TANDEM_C_SESSION_API TANDEM_C_IMPORT
 #endif
 
 /* What a caller gives need not be one of the listed: it is looked at, in C++ as well. */
@@ -577,6 +599,240 @@ TANDEM_C_API void tandem_act_def_init(tandem_act_def* def);
 TANDEM_C_API tandem_result tandem_peer_act(tandem_peer* peer, const tandem_act_def* def,
                                            tandem_error* error);
 TANDEM_C_API void tandem_peer_get_stats(const tandem_peer* peer, tandem_peer_stats* stats);
+
+/* ---- sessions: library tandem_c_session ---- */
+
+/** One participant of a session with all that it runs on: clock, steps of fixed length, peer,
+ * transport, events. It steps its world, which nothing else may step meanwhile:
+ *
+ *     tandem_session* session = tandem_session_create_tcp(world, &tcp, &def, &error);
+ *     tandem_session_share(session, "cube", cube, 0, NULL, &error);
+ *     each frame:  tandem_session_advance(session, tandem_session_now(session), ...);
+ *
+ * What its functions call must let no exception out, and neither advances nor destroys it. */
+typedef struct tandem_session tandem_session;
+
+/** Makes the body that `what` describes, which has come from another member (untrusted: any bytes,
+ * and one more that is 0) or from tandem_session_spawn. The session sets where it is.
+ * @return not 0 where `body` was written; 0: there is no such thing */
+typedef int32_t (*tandem_make)(void* user, const char* what, size_t size, tandem_body* body);
+/** Takes a body out of the world that tandem_make has made. */
+typedef void (*tandem_remove)(void* user, tandem_body body);
+/** Session time, ns. */
+typedef int64_t (*tandem_clock)(void* user);
+/** Before each step, which begins at `now_ns`: to move hands, push, read events. */
+typedef void (*tandem_before_step)(void* user, int64_t now_ns);
+
+typedef struct tandem_session_def {
+  double rate;          /**< steps a second, 0.1 to 1e4; 60 */
+  tandem_peer_def peer; /**< as of tandem_peer_def_init */
+  /* To spawn; all members have both functions, or none has: */
+  tandem_make make;            /**< null */
+  tandem_remove remove;        /**< null */
+  uint32_t max_spawned;        /**< bodies at a time, of all members, > 0; 1024 */
+  uint32_t max_spawned_of_one; /**< likewise of one member; 256 */
+  tandem_clock clock; /**< null: the transport's, where it has one, else the system's clock */
+  void* user;         /**< first argument of the three */
+} tandem_session_def;
+
+/** A session key, or an X25519 key of a peer. */
+typedef struct tandem_key {
+  uint8_t bytes[32];
+} tandem_key;
+
+typedef struct tandem_trusted {
+  uint64_t peer;
+  tandem_key public_key;
+} tandem_trusted;
+
+/** Who may take part where frames are protected. All of it is read during the call alone. */
+typedef struct tandem_credentials {
+  const tandem_key* session_key; /**< the same of all members, not zero */
+  const tandem_key* identity;    /**< secret of this peer; null: a new one */
+  /** Other peers; neither they nor an organiser: any member. */
+  const tandem_trusted* trusted;
+  size_t trusted_count;
+  const tandem_key* organiser; /**< whose certificates let others in: his public key; null: none */
+  const void* certificate;     /**< of this peer, where there is an organiser */
+  size_t certificate_size;     /**< bytes */
+} tandem_credentials;
+
+/** What one process brings to a session over TCP. */
+typedef struct tandem_tcp_def {
+  uint64_t self;              /**< unique in the session, never 0 */
+  uint64_t scene_hash;        /**< peers with another one are refused; 0 */
+  int32_t listen_port;        /**< 0: a free one, see tandem_session_port; -1: it only dials; -1 */
+  int32_t insecure;           /**< not 0: no key and yet other addresses than loopback ones; 0 */
+  const char* listen_address; /**< numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4 */
+  const char* connect; /**< "HOST:PORT" of others, with spaces between; one is enough; null: none */
+  tandem_credentials credentials; /**< session_key may be null: loopback addresses only */
+} tandem_tcp_def;
+
+/** Where session time comes from. */
+typedef enum tandem_clock_source TANDEM_C_ENUM {
+  TANDEM_CLOCK_SESSION = 0, /**< agreed on in the session */
+  TANDEM_CLOCK_SYSTEM = 1,  /**< hosts are disciplined by PTP or NTP */
+  TANDEM_CLOCK_NONE = 2     /**< each peer has its own; states are dated where they arrive */
+} tandem_clock_source;
+
+/** What one process brings to a session over UDP, which is encrypted always. */
+typedef struct tandem_udp_def {
+  uint64_t self;             /**< unique in the session, never 0 */
+  uint64_t scene_hash;       /**< peers with another one are refused; 0 */
+  int32_t port;              /**< 0: a free one, see tandem_session_port; 0 */
+  tandem_clock_source clock; /**< TANDEM_CLOCK_SESSION */
+  const char* address;       /**< numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4 */
+  const char* connect; /**< "HOST:PORT" of others, with spaces between; one is enough; null: none */
+  tandem_credentials credentials; /**< with a session key */
+  double kbit_per_s;              /**< budget of each link, headers counted; 256 */
+  int32_t relay; /**< not 0: pass on for peers that do not reach each other, and be passed on; 1 */
+} tandem_udp_def;
+
+typedef enum tandem_step_status TANDEM_C_ENUM {
+  TANDEM_STEP_OK = 0,
+  TANDEM_STEP_NON_FINITE = 1, /**< a body became NaN or infinite and was put back */
+  TANDEM_STEP_INVALID = 2     /**< session time is below a step: none was made */
+} tandem_step_status;
+
+/** What tandem_session_advance did. */
+typedef struct tandem_progress {
+  int32_t steps;
+  tandem_step_status status; /**< of the first step that was not TANDEM_STEP_OK */
+  int64_t skipped_ns;        /**< of session time that were jumped over */
+  int64_t lag_ns;            /**< that the world is behind */
+  int64_t held_ns;           /**< > 0: session time is behind by so much, nothing moves */
+  int32_t stepped_elsewhere; /**< not 0: something else has stepped the world since the last call */
+} tandem_progress;
+
+/** Another peer as the transport sees it. */
+typedef struct tandem_member {
+  uint64_t id;
+  int32_t connected;
+  char reason[128];  /**< why it is not connected; ends with 0, cut where it is longer */
+  double round_trip; /**< s, smoothed; -1: not known */
+  double kbit_per_s; /**< what the way there bears now; 0: not known */
+  uint64_t packets_in, packets_out, bytes_in, bytes_out;
+} tandem_member;
+
+typedef struct tandem_session_stats {
+  tandem_peer_stats peer;
+  uint64_t spawns_refused;  /**< requests of other members to spawn or despawn */
+  uint64_t events_lost;     /**< too much waited for somebody */
+  uint64_t events_rejected; /**< packets that could not be read */
+} tandem_session_stats;
+
+/** A new key, of the system's generator. An error in builds without libsodium. */
+TANDEM_C_SESSION_API tandem_result tandem_key_make(tandem_key* key, tandem_error* error);
+/** The key to give to the others. Likewise. */
+TANDEM_C_SESSION_API tandem_result tandem_key_public(const tandem_key* identity, tandem_key* key,
+                                                     tandem_error* error);
+
+TANDEM_C_SESSION_API void tandem_session_def_init(tandem_session_def* def);
+TANDEM_C_SESSION_API void tandem_tcp_def_init(tandem_tcp_def* def);
+TANDEM_C_SESSION_API void tandem_udp_def_init(tandem_udp_def* def);
+/* The world must outlive it and have no peer. Null where it failed. */
+TANDEM_C_SESSION_API tandem_session* tandem_session_create_tcp(tandem_world* world,
+                                                               const tandem_tcp_def* tcp,
+                                                               const tandem_session_def* def,
+                                                               tandem_error* error);
+/** Fails in builds without libsodium. */
+TANDEM_C_SESSION_API tandem_session* tandem_session_create_udp(tandem_world* world,
+                                                               const tandem_udp_def* udp,
+                                                               const tandem_session_def* def,
+                                                               tandem_error* error);
+/** Over a transport that outlives it, a network's or the caller's, and no channel's: a session has
+ * its own events. */
+TANDEM_C_SESSION_API tandem_session* tandem_session_create(tandem_world* world,
+                                                           tandem_transport* transport,
+                                                           const tandem_session_def* def,
+                                                           tandem_error* error);
+/** Tells the others that it goes. Before its world and its transport. Null: nothing happens. */
+TANDEM_C_SESSION_API void tandem_session_destroy(tandem_session* session);
+
+/** Of this peer. */
+TANDEM_C_SESSION_API uint64_t tandem_session_self(const tandem_session* session);
+/** The port of its own socket; 0: there is none. */
+TANDEM_C_SESSION_API int32_t tandem_session_port(const tandem_session* session);
+/** Session time now, ns. Of a null session 0. */
+TANDEM_C_SESSION_API int64_t tandem_session_now(tandem_session* session);
+/** Make the steps that are due at `now_ns`, and only those: it waits for nothing. The first call
+ * begins. Contacts of the world are those of the last step.
+ * @param before_step  may be null, as may be `user`, its first argument, and `progress` */
+TANDEM_C_SESSION_API tandem_result tandem_session_advance(tandem_session* session, int64_t now_ns,
+                                                          tandem_before_step before_step,
+                                                          void* user, tandem_progress* progress,
+                                                          tandem_error* error);
+
+/** Share a body with all members that share one by the same name.
+ * @param owner  the peer that alone moves it; 0 = nobody owns it
+ * @param id  what it is known by, tandem_shared_id_of(name); may be null */
+TANDEM_C_SESSION_API tandem_result tandem_session_share(tandem_session* session, const char* name,
+                                                        tandem_body body, uint64_t owner,
+                                                        tandem_shared_id* id, tandem_error* error);
+/** All bodies of one thing, as "name/0", "name/1" and so on, or none of them. */
+TANDEM_C_SESSION_API tandem_result tandem_session_share_all(tandem_session* session,
+                                                            const char* name,
+                                                            const tandem_body* bodies, size_t count,
+                                                            uint64_t owner, tandem_error* error);
+TANDEM_C_SESSION_API tandem_result tandem_session_unshare(tandem_session* session,
+                                                          tandem_shared_id id, tandem_error* error);
+/** The instance of a shared body here. */
+TANDEM_C_SESSION_API tandem_result tandem_session_body(const tandem_session* session,
+                                                       tandem_shared_id id, tandem_body* body,
+                                                       tandem_error* error);
+
+/** Hold a shared body with a spring that all members simulate. */
+TANDEM_C_SESSION_API tandem_result tandem_session_grab(tandem_session* session,
+                                                       const tandem_grab_def* def, uint32_t* grab,
+                                                       tandem_error* error);
+/** Where the hand is as the next step begins, m, world.
+ * @param holds  0: no longer, it was released or its body is gone; may be null */
+TANDEM_C_SESSION_API tandem_result tandem_session_move(tandem_session* session, uint32_t grab,
+                                                       tandem_vec3 anchor, int32_t* holds,
+                                                       tandem_error* error);
+/** Let go, if it still holds. */
+TANDEM_C_SESSION_API tandem_result tandem_session_release(tandem_session* session, uint32_t grab,
+                                                          tandem_error* error);
+/** As tandem_peer_act. */
+TANDEM_C_SESSION_API tandem_result tandem_session_act(tandem_session* session,
+                                                      const tandem_act_def* def,
+                                                      tandem_error* error);
+
+/** Make a body at every member, the later ones included, and share it.
+ * @param what  what tandem_make is given at every member, 512 bytes at most; UTF-8, say
+ * @param twist  null: at rest     @param id  may be null */
+TANDEM_C_SESSION_API tandem_result tandem_session_spawn(tandem_session* session, const char* what,
+                                                        const tandem_pose* pose,
+                                                        const tandem_twist* twist,
+                                                        tandem_shared_id* id, tandem_error* error);
+/** Remove a body at every member that any of them has spawned. */
+TANDEM_C_SESSION_API tandem_result tandem_session_despawn(tandem_session* session,
+                                                          tandem_shared_id id, tandem_error* error);
+
+/** Who has connected during the last advance. Copies at most `capacity` ids, in the order in which
+ * it was seen; from within tandem_before_step up to that step. @return how many there are */
+TANDEM_C_SESSION_API size_t tandem_session_joined(const tandem_session* session, uint64_t* peers,
+                                                  size_t capacity);
+/** Likewise whose connection has ended. */
+TANDEM_C_SESSION_API size_t tandem_session_left(const tandem_session* session, uint64_t* peers,
+                                                size_t capacity);
+/** All peers ever seen, by ascending id. Copies at most `capacity`. @return how many there are */
+TANDEM_C_SESSION_API size_t tandem_session_members(tandem_session* session, tandem_member* members,
+                                                   size_t capacity);
+
+/** A message of the application. It leaves before the next step.
+ * @param topic  64 bytes at most; those that begin with "tandem." are the session's
+ * @param to  0: all */
+TANDEM_C_SESSION_API tandem_result tandem_session_send(tandem_session* session, const char* topic,
+                                                       const void* payload, size_t size,
+                                                       uint64_t to, tandem_error* error);
+/** What has come during the last advance, from within tandem_before_step up to that step, without
+ * the session's own. Valid until the next advance. Copies at most `capacity`.
+ * @return how many there are */
+TANDEM_C_SESSION_API size_t tandem_session_events(const tandem_session* session,
+                                                  tandem_event* events, size_t capacity);
+TANDEM_C_SESSION_API void tandem_session_get_stats(const tandem_session* session,
+                                                   tandem_session_stats* stats);
 
 #undef TANDEM_C_ENUM
 
