@@ -50,8 +50,7 @@ tandem_result tandem_world_step(tandem_world* world, double dt, tandem_step_repo
     tandem_world& w = required(world, "world");
     pbd::detail::require(dt >= pbd::kShortestStep && dt <= 1e6, "tandem_world_step", "dt", dt,
                          "1e-5 to 1e6 s");
-    const pbd::StepReport& done = w.solver.step(w.world, dt);
-    if (w.events) w.events->update(w.world, w.scene);
+    const pbd::StepReport& done = w.step(dt);
     if (report != nullptr) {
       *report = {.finite = done.status != pbd::StepStatus::NonFinite ? 1 : 0,
                  .bodies = done.bodies,

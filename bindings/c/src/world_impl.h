@@ -15,6 +15,13 @@
 struct tandem_world {
   explicit tandem_world(const tandem_world_def& def);
 
+  /// Inline, since sessions are in another library.
+  const tandem::pbd::StepReport& step(double dt) {
+    const tandem::pbd::StepReport& done = solver.step(world, dt);
+    if (events) events->update(world, scene);
+    return done;
+  }
+
   tandem::pbd::World world;
   tandem::collision::CollisionScene scene;
   tandem::pbd::JointBlock& joints;
