@@ -9,6 +9,7 @@ namespace Tandem {
 public sealed unsafe class Network : IDisposable {
   private readonly NetworkHandle handle = new NetworkHandle();
   private readonly List<object> dependents = new List<object>();
+  private readonly List<Transport> transports = new List<Transport>();
 
   /// <param name="startNs">session time, above 0</param>
   public Network(Link link, ulong seed = 1, long startNs = 1000000000) {
@@ -17,13 +18,18 @@ public sealed unsafe class Network : IDisposable {
   }
 
   /// <summary>It is freed when all peers on it have been as well.</summary>
-  public void Dispose() => handle.Dispose();
+  public void Dispose() {
+    foreach (var transport in transports) transport.Dispose();
+    handle.Dispose();
+  }
 
-  /// <summary>That of one peer, which has one only.</summary>
+  /// <summary>That of one peer, which has one only. It goes with the network.</summary>
   public Transport Transport(ulong peer) {
     NativeError error;
     var made = Native.tandem_network_transport(handle, peer, &error);
-    return new Transport(made, ref error, handle, null, dependents);
+    var transport = new Transport(made, ref error, handle, null, dependents);
+    transports.Add(transport);
+    return transport;
   }
 
   /// <summary>Deliver what is due.</summary>
