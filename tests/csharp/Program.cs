@@ -14,6 +14,7 @@ internal static class Program {
     Run("queries", QueryTest.Run);
     Run("sharing", SharingTest.Run);
     Run("sessions", SessionTest.Run);
+    Run("table", TableTest.Run);
     Run("lifetimes", LifetimeTest.Run);
     Run("cost", CostTest.Run);
     if (Check.Failures > 0) Console.Error.WriteLine($"{Check.Failures} claims do not hold");
