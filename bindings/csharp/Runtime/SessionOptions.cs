@@ -4,6 +4,8 @@ using System;
 using System.Collections.Generic;
 using System.Runtime.InteropServices;
 
+#pragma warning disable 0649  // the library writes to them
+
 namespace Tandem {
 
 public sealed class SessionOptions {
