@@ -438,7 +438,7 @@ typedef struct tandem_attachment {
   uint64_t number; /**< never given again; 0: none */
 } tandem_attachment;
 
-/** The particle is free again. */
+/** The particle goes its way again, and still touches nothing. */
 TANDEM_C_API tandem_result tandem_attachment_remove(tandem_world* world,
                                                     tandem_attachment attachment,
                                                     tandem_error* error);
@@ -1048,7 +1048,7 @@ typedef struct tandem_scene_file tandem_scene_file;
 
 typedef enum tandem_scene_format TANDEM_C_ENUM {
   TANDEM_SCENE_JSON = 0, /**< Tandem's own, docs/scene_files.md */
-  TANDEM_SCENE_GLTF = 1  /**< glTF 2.0 with physics, as text; its y is up, the world's z is */
+  TANDEM_SCENE_GLTF = 1  /**< glTF 2.0 with physics, or .glb; its y is up, the world's z is */
 } tandem_scene_format;
 
 /** Valid as long as the file. */
@@ -1069,10 +1069,12 @@ typedef struct tandem_named_joint {
  * @param file  may be null; to be destroyed, before or after the world */
 TANDEM_C_FILES_API tandem_world* tandem_scene_load(const char* path, const tandem_world_def* def,
                                                    tandem_scene_file** file, tandem_error* error);
-/** The same of a text in memory. glTF has its buffers in itself, or in the working directory.
- * @param size  bytes, without a 0 at the end */
+/** The same of a text in memory.
+ * @param size  bytes, without a 0 at the end
+ * @param folder  of glTF, where its buffers may be files; UTF-8 */
 TANDEM_C_FILES_API tandem_world* tandem_scene_parse(tandem_scene_format format, const char* text,
-                                                    size_t size, const tandem_world_def* def,
+                                                    size_t size, const char* folder,
+                                                    const tandem_world_def* def,
                                                     tandem_scene_file** file, tandem_error* error);
 /** The world stays. Null: nothing happens. */
 TANDEM_C_FILES_API void tandem_scene_file_destroy(tandem_scene_file* file);
@@ -1096,7 +1098,7 @@ TANDEM_C_FILES_API tandem_result tandem_scene_file_find_joint(const tandem_scene
 TANDEM_C_FILES_API tandem_result tandem_scene_file_pose(const tandem_scene_file* file,
                                                         const char* name, tandem_pose* pose,
                                                         tandem_error* error);
-/** One more body, from what the format has in "bodies"; "name", say, is for messages.
+/** One more body, from an element as Tandem's format has them in "bodies".
  * @param size  bytes, without a 0 at the end */
 TANDEM_C_FILES_API tandem_result tandem_scene_add_body(tandem_world* world, const char* text,
                                                        size_t size, tandem_body* body,
