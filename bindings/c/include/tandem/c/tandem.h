@@ -6,10 +6,10 @@
 /**
  * @file
  * Tandem for languages that call C: worlds, bodies, shapes, joints, stepping, sharing over
- * transports of the caller's, and whole sessions over sockets.
+ * transports of the caller's, whole sessions over sockets, and scenes from files.
  *
  * What begins with TANDEM_C_API is in the library tandem_c, with TANDEM_C_SESSION_API in
- * tandem_c_session: a program links those that it calls.
+ * tandem_c_session, with TANDEM_C_FILES_API in tandem_c_files: a program links those that it calls.
  *
  * Units are m, kg, s, N, rad; quaternions are x, y, z, w, unit, body to world. Times of a session
  * are nanoseconds.
@@ -55,6 +55,11 @@
 #define TANDEM_C_SESSION_API TANDEM_C_EXPORT
 #else
 #define TANDEM_C_SESSION_API TANDEM_C_IMPORT
+#endif
+#if defined(tandem_c_files_EXPORTS)
+#define TANDEM_C_FILES_API TANDEM_C_EXPORT
+#else
+#define TANDEM_C_FILES_API TANDEM_C_IMPORT
 #endif
 
 /* What a caller gives need not be one of the listed: it is looked at, in C++ as well. */
@@ -328,6 +333,208 @@ TANDEM_C_API tandem_result tandem_joint_set_servo(tandem_world* world, tandem_jo
 TANDEM_C_API tandem_result tandem_joint_position(const tandem_world* world, tandem_joint joint,
                                                  double* position, int32_t* broken,
                                                  tandem_error* error);
+
+/* ---- characters, cars, ropes, cloth, ragdolls ---- */
+
+/* Each is made of bodies of a world, which go with it as it is destroyed, and before its world.
+ * Where the program removes one of its bodies by itself, nothing but that remains to be done with
+ * it. A null one: nothing happens. Lists of bodies copy at most `capacity` and say how many there
+ * are. */
+
+/** As of a collider. */
+typedef struct tandem_filter {
+  uint32_t category, mask; /**< 1, all */
+  int32_t group;           /**< 0: cars, ropes, cloth and ragdolls get one of their own */
+} tandem_filter;
+
+/** A capsule that walks, climbs steps and slopes, jumps, is carried, pushes and is pushed. */
+typedef struct tandem_character tandem_character;
+
+typedef struct tandem_character_def {
+  double radius, half_height; /**< m, of the capsule, without caps; 0.3, 0.6 */
+  tandem_vec3 position;       /**< m, world, of its middle; (0, 0, 1) */
+  double mass;                /**< kg; 70 */
+  double max_push;            /**< N, against what stands in its way; 400 */
+  double max_slope;           /**< rad, 0 to 1.5: steeper ground is slid down; 0.87 */
+  double max_step;            /**< m, up and down without leaving the ground; 0.35 */
+  double air_acceleration;    /**< m/s^2, that the user has in the air; 10 */
+  double padding;             /**< m, below the radius: gap that it keeps to everything; 0.02 */
+  tandem_filter filter;
+} tandem_character_def;
+
+typedef enum tandem_footing TANDEM_C_ENUM {
+  TANDEM_ON_GROUND = 0,
+  TANDEM_ON_STEEP = 1, /**< slides down something steeper than max_slope */
+  TANDEM_IN_AIR = 2
+} tandem_footing;
+
+typedef struct tandem_character_state {
+  tandem_body body;
+  tandem_footing footing;    /**< after the last tandem_character_walk */
+  tandem_body ground;        /**< what it stands on or slides down; in the air TANDEM_NO_BODY */
+  tandem_vec3 ground_normal; /**< unit, world; up in the air */
+  tandem_vec3 velocity;      /**< m/s, world, what carries it included */
+} tandem_character_state;
+
+TANDEM_C_API void tandem_character_def_init(tandem_character_def* def);
+TANDEM_C_API tandem_character* tandem_character_create(tandem_world* world,
+                                                       const tandem_character_def* def,
+                                                       tandem_error* error);
+TANDEM_C_API void tandem_character_destroy(tandem_character* character);
+/** Before each step. @param velocity  m/s, wanted, relative to the ground     @param dt  s, of it
+ */
+TANDEM_C_API tandem_result tandem_character_walk(tandem_character* character, tandem_vec3 velocity,
+                                                 double dt, tandem_error* error);
+/** The next walk leaves the ground, where it stands on some. @param speed  m/s, >= 0 */
+TANDEM_C_API tandem_result tandem_character_jump(tandem_character* character, double speed,
+                                                 tandem_error* error);
+TANDEM_C_API tandem_result tandem_character_get_state(const tandem_character* character,
+                                                      tandem_character_state* state,
+                                                      tandem_error* error);
+
+/** A chassis on four wheels with springs, all of them driven and braked, the two in front steered.
+ */
+typedef struct tandem_car tandem_car;
+
+/** Its frame is that of the chassis: x forward, y left, z up. */
+typedef struct tandem_car_def {
+  tandem_pose pose;         /**< of the chassis; at (0, 0, 0.8) */
+  tandem_vec3 half_extents; /**< m, of the chassis; (2, 0.8, 0.25) */
+  double mass;              /**< kg, without wheels; 1200 */
+  double wheelbase;         /**< m, between the axles; 2.6 */
+  double track;             /**< m, between the wheels of an axle; 1.5 */
+  double axle_height;       /**< m, of the axles in the frame, springs at ease; -0.4 */
+  double wheel_radius;      /**< m; 0.35 */
+  double wheel_width;       /**< m; 0.2 */
+  double wheel_mass;        /**< kg; 20 */
+  double stiffness;         /**< N/m, of each wheel's spring; 30e3 */
+  double damping;           /**< N s/m; 3e3 */
+  double travel;            /**< m, to either side of where springs are at ease; 0.25 */
+  double friction;          /**< of tyres; 0.9 */
+  double drive_torque;      /**< N m, of all four wheels; 1600 */
+  double brake_torque;      /**< N m, likewise; 8000 */
+  double top_speed;         /**< m/s: the wheels turn no faster; 40 */
+  double max_steer;         /**< rad, 0 to 1.5; 0.6 */
+  tandem_filter filter;
+} tandem_car_def;
+
+TANDEM_C_API void tandem_car_def_init(tandem_car_def* def);
+TANDEM_C_API tandem_car* tandem_car_create(tandem_world* world, const tandem_car_def* def,
+                                           tandem_error* error);
+TANDEM_C_API void tandem_car_destroy(tandem_car* car);
+/** Until it is called again.
+ * @param throttle  -1, back, to 1
+ * @param steer  rad, to the left, of a wheel between those in front
+ * @param brake  0 to 1; above 0 nothing drives */
+TANDEM_C_API tandem_result tandem_car_drive(tandem_car* car, double throttle, double steer,
+                                            double brake, tandem_error* error);
+/** Of the chassis, m/s, forward; 0 of a car whose chassis was removed. */
+TANDEM_C_API double tandem_car_speed(const tandem_car* car);
+/** The chassis, then the wheels: front left, front right, rear left, rear right. */
+TANDEM_C_API size_t tandem_car_bodies(const tandem_car* car, tandem_body* bodies, size_t capacity);
+
+/** What holds a particle of a rope or a cloth on a body. */
+typedef struct tandem_attachment {
+  uint64_t number; /**< never given again; 0: none */
+} tandem_attachment;
+
+/** The particle goes its way again, and still touches nothing. */
+TANDEM_C_API tandem_result tandem_attachment_remove(tandem_world* world,
+                                                    tandem_attachment attachment,
+                                                    tandem_error* error);
+
+/** A rope of point masses, each a body. */
+typedef struct tandem_rope tandem_rope;
+
+typedef struct tandem_rope_def {
+  tandem_vec3 from, to;         /**< m, world; (0, 0, 0), (1, 0, 0) */
+  double length;                /**< m, at least their distance, which it is where 0; 0 */
+  int32_t particles;            /**< at least 2, ends included; an odd number where it hangs; 20 */
+  double mass;                  /**< kg, of all of it; 0.5 */
+  double radius;                /**< m: it touches others as balls of this size; 0.01 */
+  double compliance;            /**< 1/N: strain for each newton; 0 */
+  double bending;               /**< N m^2: moment for each curvature; 0 */
+  double damping;               /**< 1/s, by the air; 0.1 */
+  double friction, restitution; /**< 0.5, 0 */
+  tandem_filter filter;
+} tandem_rope_def;
+
+TANDEM_C_API void tandem_rope_def_init(tandem_rope_def* def);
+TANDEM_C_API tandem_rope* tandem_rope_create(tandem_world* world, const tandem_rope_def* def,
+                                             tandem_error* error);
+TANDEM_C_API void tandem_rope_destroy(tandem_rope* rope);
+/** The particles, from one end to the other. */
+TANDEM_C_API size_t tandem_rope_bodies(const tandem_rope* rope, tandem_body* bodies,
+                                       size_t capacity);
+/** Hold a particle where it now is on a body. It touches nothing from then on.
+ * @param attachment  may be null */
+TANDEM_C_API tandem_result tandem_rope_attach(tandem_rope* rope, uint32_t particle,
+                                              tandem_body host, tandem_attachment* attachment,
+                                              tandem_error* error);
+
+/** A rectangle of cloth of point masses, each a body. */
+typedef struct tandem_cloth tandem_cloth;
+
+/** Its frame is that of a flat rectangle with a corner at the origin: columns along x, rows along
+ * y. */
+typedef struct tandem_cloth_def {
+  tandem_pose pose;
+  double width, height;         /**< m, along x and y; 1, 1 */
+  int32_t columns, rows;        /**< particles along x and y, at least 2; 20, 20 */
+  double density;               /**< kg/m^2; 0.2 */
+  double radius;                /**< m: it touches others as balls of this size; 0.01 */
+  double stretching;            /**< N/m, along the threads; 0: they do not stretch; 0 */
+  double shearing;              /**< N/m, along the diagonals; 0: none; 50 */
+  double bending;               /**< N m: moment on each metre of width for each curvature; 1e-4 */
+  double damping;               /**< 1/s, by the air; 0.2 */
+  double friction, restitution; /**< 0.5, 0 */
+  tandem_filter filter;
+} tandem_cloth_def;
+
+TANDEM_C_API void tandem_cloth_def_init(tandem_cloth_def* def);
+TANDEM_C_API tandem_cloth* tandem_cloth_create(tandem_world* world, const tandem_cloth_def* def,
+                                               tandem_error* error);
+TANDEM_C_API void tandem_cloth_destroy(tandem_cloth* cloth);
+/** The particles, row by row. */
+TANDEM_C_API size_t tandem_cloth_bodies(const tandem_cloth* cloth, tandem_body* bodies,
+                                        size_t capacity);
+/** As tandem_rope_attach. */
+TANDEM_C_API tandem_result tandem_cloth_attach(tandem_cloth* cloth, int32_t column, int32_t row,
+                                               tandem_body host, tandem_attachment* attachment,
+                                               tandem_error* error);
+/** Each particle keeps within its distance of the nearest one that is attached by now: what hangs
+ * does not stretch. Once, after what is attached. */
+TANDEM_C_API tandem_result tandem_cloth_tether(tandem_cloth* cloth, tandem_error* error);
+/** A body at the mean of the cloth about a point, which can be held, pulled and shared.
+ * @param u, v  0 to 1, along columns and rows
+ * @param reach  m, above the distance of particles
+ * @param share  above 0 and below 1: of the mass there, which goes from particles to the body */
+TANDEM_C_API tandem_result tandem_cloth_add_handle(tandem_cloth* cloth, double u, double v,
+                                                   double reach, double share, tandem_body* body,
+                                                   tandem_error* error);
+
+/** Somebody who has fainted: eleven bodies on ten joints with the limits of people's. */
+typedef struct tandem_ragdoll tandem_ragdoll;
+
+/** Its frame stands between the feet: x forward, y left, z up. */
+typedef struct tandem_ragdoll_def {
+  tandem_pose pose;
+  double height;                /**< m; 1.75 */
+  double mass;                  /**< kg, of all of it; 70 */
+  double damping;               /**< N m s/rad, of each joint: how limp it is; 2 */
+  double friction, restitution; /**< 0.5, 0 */
+  tandem_filter filter;
+} tandem_ragdoll_def;
+
+TANDEM_C_API void tandem_ragdoll_def_init(tandem_ragdoll_def* def);
+TANDEM_C_API tandem_ragdoll* tandem_ragdoll_create(tandem_world* world,
+                                                   const tandem_ragdoll_def* def,
+                                                   tandem_error* error);
+TANDEM_C_API void tandem_ragdoll_destroy(tandem_ragdoll* ragdoll);
+/** Pelvis, chest, head, left upper arm and forearm, right upper arm and forearm, left thigh and
+ * shin, right thigh and shin. */
+TANDEM_C_API size_t tandem_ragdoll_bodies(const tandem_ragdoll* ragdoll, tandem_body* bodies,
+                                          size_t capacity);
 
 /* ---- events of the last step, where the world collects them ---- */
 
@@ -833,6 +1040,75 @@ TANDEM_C_SESSION_API size_t tandem_session_events(const tandem_session* session,
                                                   tandem_event* events, size_t capacity);
 TANDEM_C_SESSION_API void tandem_session_get_stats(const tandem_session* session,
                                                    tandem_session_stats* stats);
+
+/* ---- scene files: library tandem_c_files ---- */
+
+/** Names and whatever else a file has beside the world that is made of it. */
+typedef struct tandem_scene_file tandem_scene_file;
+
+typedef enum tandem_scene_format TANDEM_C_ENUM {
+  TANDEM_SCENE_JSON = 0, /**< Tandem's own, docs/scene_files.md */
+  TANDEM_SCENE_GLTF = 1  /**< glTF 2.0 with physics, or .glb; its y is up, the world's z is */
+} tandem_scene_format;
+
+/** Valid as long as the file. */
+typedef struct tandem_named_body {
+  const char* name; /**< may be empty */
+  tandem_body body;
+} tandem_named_body;
+
+typedef struct tandem_named_joint {
+  const char* name; /**< may be empty */
+  tandem_joint joint;
+} tandem_named_joint;
+
+/** A world from a file; one that ends in .gltf or .glb is glTF. Strangers' files may be read. An
+ * error names file, place in it, rule and value. Null where it failed.
+ * @param path  UTF-8
+ * @param def  gravity is the file's where that says one
+ * @param file  may be null; to be destroyed, before or after the world */
+TANDEM_C_FILES_API tandem_world* tandem_scene_load(const char* path, const tandem_world_def* def,
+                                                   tandem_scene_file** file, tandem_error* error);
+/** The same of a text in memory.
+ * @param size  bytes, without a 0 at the end
+ * @param folder  of glTF, where its buffers may be files; UTF-8 */
+TANDEM_C_FILES_API tandem_world* tandem_scene_parse(tandem_scene_format format, const char* text,
+                                                    size_t size, const char* folder,
+                                                    const tandem_world_def* def,
+                                                    tandem_scene_file** file, tandem_error* error);
+/** The world stays. Null: nothing happens. */
+TANDEM_C_FILES_API void tandem_scene_file_destroy(tandem_scene_file* file);
+/** In the file's order. Copies at most `capacity`. @return how many there are */
+TANDEM_C_FILES_API size_t tandem_scene_file_bodies(const tandem_scene_file* file,
+                                                   tandem_named_body* bodies, size_t capacity);
+TANDEM_C_FILES_API size_t tandem_scene_file_joints(const tandem_scene_file* file,
+                                                   tandem_named_joint* joints, size_t capacity);
+/** What the file has and the world has not, with its place. */
+TANDEM_C_FILES_API size_t tandem_scene_file_warnings(const tandem_scene_file* file,
+                                                     const char** warnings, size_t capacity);
+/** The first one of that name. */
+TANDEM_C_FILES_API tandem_result tandem_scene_file_find_body(const tandem_scene_file* file,
+                                                             const char* name, tandem_body* body,
+                                                             tandem_error* error);
+TANDEM_C_FILES_API tandem_result tandem_scene_file_find_joint(const tandem_scene_file* file,
+                                                              const char* name, tandem_joint* joint,
+                                                              tandem_error* error);
+/** Where the frame of that name is now, world: of a body's shape, where tandem_body_state has the
+ * centre of mass. */
+TANDEM_C_FILES_API tandem_result tandem_scene_file_pose(const tandem_scene_file* file,
+                                                        const char* name, tandem_pose* pose,
+                                                        tandem_error* error);
+/** One more body, from an element as Tandem's format has them in "bodies".
+ * @param size  bytes, without a 0 at the end */
+TANDEM_C_FILES_API tandem_result tandem_scene_add_body(tandem_world* world, const char* text,
+                                                       size_t size, tandem_body* body,
+                                                       tandem_error* error);
+/** The world as text of Tandem's format, with a 0 at the end.
+ * @param file  its names; null: none
+ * @param size  in: bytes of `buffer`, out: needed */
+TANDEM_C_FILES_API tandem_result tandem_scene_write(const tandem_world* world,
+                                                    const tandem_scene_file* file, char* buffer,
+                                                    size_t* size, tandem_error* error);
 
 #undef TANDEM_C_ENUM
 
