@@ -27,7 +27,10 @@ internal static class LayoutTest {
       {"tandem_credentials", typeof(NativeCredentials)},
       {"tandem_tcp_def", typeof(NativeTcpDef)},
       {"tandem_udp_def", typeof(NativeUdpDef)},
-      {"tandem_member", typeof(NativeMember)}};
+      {"tandem_member", typeof(NativeMember)},
+      {"tandem_filter", typeof(CollisionFilter)},
+      {"tandem_named_body", typeof(NativeNamedBody)},
+      {"tandem_named_joint", typeof(NativeNamedJoint)}};
 
   internal static void Run(string[] reference) {
     var words = reference.Select(line => line.Split(' ')).ToArray();
@@ -85,7 +88,9 @@ internal static class LayoutTest {
       {"tandem_contact_list", typeof(ContactList)},
       {"tandem_delivery", typeof(Delivery)},
       {"tandem_clock_source", typeof(ClockSource)},
-      {"tandem_step_status", typeof(StepStatus)}};
+      {"tandem_step_status", typeof(StepStatus)},
+      {"tandem_footing", typeof(Footing)},
+      {"tandem_scene_format", typeof(SceneFormat)}};
 
   private static void Enum(string[] line) {
     Check.That(enums.TryGetValue(line[1], out var type), $"there is an enum for {line[1]}");

@@ -70,6 +70,7 @@ internal static class LifetimeTest {
     var body = world.AddBody(BodyType.Dynamic, Shape.Sphere(1), Pose.Identity);
     for (var i = 0; i < 300; ++i) world.AddBody(BodyDef.Default);
     new Query(world).Update();
+    new Rope(world, RopeDef.Default).Bodies(null);
     var transport = kind % 2 == 0 ? new Network(default(Link), 1, Site.Start).Transport(1)
                                   : new Transport(new Silence());
     if (kind % 4 == 3) {

@@ -15,6 +15,8 @@ internal static class Program {
     Run("sharing", SharingTest.Run);
     Run("sessions", SessionTest.Run);
     Run("table", TableTest.Run);
+    Run("parts", PartTest.Run);
+    Run("files", FileTest.Run);
     Run("lifetimes", LifetimeTest.Run);
     Run("cost", CostTest.Run);
     if (Check.Failures > 0) Console.Error.WriteLine($"{Check.Failures} claims do not hold");

@@ -75,6 +75,15 @@ internal static unsafe partial class Native {
   internal const string Library = "tandem_csharp";
   private const CallingConvention C = CallingConvention.Cdecl;
 
+  /// <summary>Defaults would be misplaced, or memory be written to, with another one.</summary>
+  internal static void CheckVersion() {
+    const uint version = 2;  // of the header that the structs were written after
+    if (tandem_c_version() == version) return;
+    throw new TandemException(
+        Result.Failed,
+        $"the library's TANDEM_C_VERSION must be {version} and is {tandem_c_version()}");
+  }
+
   internal static void Check(Result result, ref NativeError error) {
     if (result != Result.Ok) throw error.Thrown();
   }

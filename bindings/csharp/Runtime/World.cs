@@ -9,24 +9,24 @@ namespace Tandem {
 /// world and its peers.</summary>
 public sealed unsafe partial class World : IDisposable {
   internal readonly WorldHandle Handle = new WorldHandle();
-  /// <summary>Queries, peers and sessions of it: the collector, which has a thread of its own,
+  /// <summary>Queries, peers, characters and so on of it: the collector, which has a thread of its own,
   /// frees none of them while the world is in use.</summary>
   internal readonly List<object> Dependents = new List<object>();
 
   public World() : this(WorldDef.Default) {}
 
   public World(WorldDef def) {
-    const uint version = 2;  // of the header that the structs were written after
-    if (Native.tandem_c_version() != version) {
-      throw new TandemException(
-          Result.Failed,
-          $"the library's TANDEM_C_VERSION must be {version} and is {Native.tandem_c_version()}");
-    }
+    Native.CheckVersion();
     NativeError error;
     Handle.Adopt(Native.tandem_world_create(&def, &error), ref error);
   }
 
-  /// <summary>It is freed when its queries, peers and sessions have been as well.</summary>
+  /// <summary>One that was made elsewhere.</summary>
+  internal World(IntPtr made, ref NativeError error) {
+    Handle.Adopt(made, ref error);
+  }
+
+  /// <summary>It is freed when all that belongs to it has been as well.</summary>
   public void Dispose() => Handle.Dispose();
 
   /// <param name="dt">s, 1e-5 to 1e6</param>
@@ -137,6 +137,13 @@ public sealed unsafe partial class World : IDisposable {
     Native.Check(Native.tandem_joint_set_servo(Handle, joint, mode, target, stiffness, damping,
                                                maxForce, &error),
                  ref error);
+  }
+
+  /// <summary>A particle of a rope or a cloth goes its way again, and still touches nothing.
+  /// </summary>
+  public void RemoveAttachment(Attachment attachment) {
+    NativeError error;
+    Native.Check(Native.tandem_attachment_remove(Handle, attachment, &error), ref error);
   }
 
   /// <summary>rad or m of a hinge or a slider, 0 of others.</summary>

@@ -5,4 +5,4 @@
 // version of the header.
 #include "tandem/c/tandem.h"
 
-static_assert(TANDEM_C_VERSION == 2, "Runtime/World.cs and the structs there must follow");
+static_assert(TANDEM_C_VERSION == 2, "Runtime/Native.cs and the structs there must follow");
