@@ -149,7 +149,7 @@ static void no_session_at_all(void) {
   CHECK(tandem_session_joined(NULL, NULL, 3) == 0 && tandem_session_left(NULL, NULL, 3) == 0);
   CHECK(tandem_session_events(NULL, NULL, 3) == 0);
   CHECK(tandem_session_advance(NULL, 1, NULL, NULL, NULL, NULL) == TANDEM_INVALID_ARGUMENT);
-  CHECK(tandem_key_make(NULL, NULL) != TANDEM_OK);
+  CHECK(tandem_key_make(NULL, NULL) != TANDEM_OK && tandem_key_peer(NULL) == 0);
   tandem_session_def_init(NULL);
   tandem_tcp_def_init(NULL);
   tandem_udp_def_init(NULL);

@@ -150,6 +150,7 @@ static void over_udp_with_keys(void) {
     CHECK(tandem_key_make(&identities[i], NULL) == TANDEM_OK);
     trusted[1 - i].peer = (uint64_t)(i + 1);
     CHECK(tandem_key_public(&identities[i], &trusted[1 - i].public_key, NULL) == TANDEM_OK);
+    CHECK(tandem_key_peer(&trusted[1 - i].public_key) >> 63 == 1);
   }
   for (int i = 0; i < kMembers; ++i) {
     credentials[i] = (tandem_credentials){.session_key = &session_key,
@@ -179,10 +180,11 @@ static void over_udp_with_keys(void) {
 /* What a build without libsodium says of keys and of UDP. */
 static void says_that_there_is_no_udp(void) {
   tandem_error error;
-  tandem_key key;
+  tandem_key key = {{0}};
   const tandem_credentials none = {.session_key = NULL};
   const room r = make_room(0.0);
   CHECK(tandem_key_make(&key, &error) == TANDEM_FAILED && strstr(error.text, "libsodium") != NULL);
+  CHECK(tandem_key_peer(&key) == 0);
   CHECK(over_udp(r.world, 1, NULL, &none, &error) == NULL);
   CHECK(error.result == TANDEM_FAILED && strstr(error.text, "libsodium") != NULL);
   tandem_world_destroy(r.world);

@@ -191,6 +191,9 @@ internal static class SessionTest {
     Check.That(new Key(one.ToBytes()).Public.ToBytes().SequenceEqual(one.Public.ToBytes()) &&
                    !one.Public.ToBytes().SequenceEqual(one.ToBytes()),
                "a key has one public key");
+    Check.That(one.Public.Peer != 0 && one.Public.Peer != two.Public.Peer &&
+                   one.Public.Peer == new Key(one.Public.ToBytes()).Peer,
+               "a public key is a peer's id");
     using (var a = new Room())
     using (var b = new Room()) {
       var options = Udp(1, key, one, 2, two.Public);

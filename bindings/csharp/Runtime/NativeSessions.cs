@@ -89,6 +89,8 @@ internal static unsafe partial class Native {
   internal static extern Result tandem_key_public(NativeKey* identity, NativeKey* key,
                                                   NativeError* error);
   [DllImport(Library, CallingConvention = C)]
+  internal static extern ulong tandem_key_peer(NativeKey* public_key);
+  [DllImport(Library, CallingConvention = C)]
   internal static extern void tandem_session_def_init(out NativeSessionDef def);
   [DllImport(Library, CallingConvention = C)]
   internal static extern void tandem_tcp_def_init(out NativeTcpDef def);

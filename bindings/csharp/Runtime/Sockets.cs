@@ -42,6 +42,13 @@ public sealed unsafe class Key {
     }
   }
 
+  /// <summary>Of a public key: a peer's id that nobody without its secret can have.</summary>
+  public ulong Peer {
+    get {
+      fixed (NativeKey* key = &native) return Native.tandem_key_peer(key);
+    }
+  }
+
   public byte[] ToBytes() {
     var bytes = new byte[32];
     fixed (byte* from = native.Bytes) Marshal.Copy((IntPtr)from, bytes, 0, 32);

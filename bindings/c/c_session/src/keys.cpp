@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "guard.h"
+#include "session_impl.h"
+#include "tandem/net/membership.h"
 
 using namespace tandem;
 using namespace tandem::c;
@@ -18,9 +20,14 @@ tandem_result tandem_key_make(tandem_key* key, tandem_error* error) {
 
 tandem_result tandem_key_public(const tandem_key* identity, tandem_key* key, tandem_error* error) {
   return guarded(error, [&] {
-    net::Key secret{};
-    std::ranges::copy(required(identity, "identity").bytes, secret.begin());
+    const net::Key secret = key_of(required(identity, "identity"));
     tandem_key& out = required(key, "key");
     std::ranges::copy(net::public_key(secret), out.bytes);
   });
+}
+
+uint64_t tandem_key_peer(const tandem_key* public_key) {
+  uint64_t id = 0;
+  guarded(nullptr, [&] { id = net::derived_id(key_of(required(public_key, "public_key"))); });
+  return id;
 }

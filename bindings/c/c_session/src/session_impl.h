@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -28,6 +29,12 @@ class Stepped {
  private:
   tandem_world& world_;
 };
+
+inline net::Key key_of(const tandem_key& key) {
+  net::Key result{};
+  std::ranges::copy(key.bytes, result.begin());
+  return result;
+}
 
 /// What one process brings to a session, of TCP and UDP alike.
 struct Wire {

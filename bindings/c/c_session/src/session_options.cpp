@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include <algorithm>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -14,12 +13,6 @@ using namespace tandem;
 using namespace tandem::c;
 
 namespace {
-
-net::Key key_of(const tandem_key& key) {
-  net::Key result{};
-  std::ranges::copy(key.bytes, result.begin());
-  return result;
-}
 
 std::optional<net::Key> key_or_none(const tandem_key* key) {
   return key != nullptr ? std::optional(key_of(*key)) : std::nullopt;

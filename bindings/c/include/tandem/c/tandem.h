@@ -934,6 +934,10 @@ TANDEM_C_SESSION_API tandem_result tandem_key_make(tandem_key* key, tandem_error
 TANDEM_C_SESSION_API tandem_result tandem_key_public(const tandem_key* identity, tandem_key* key,
                                                      tandem_error* error);
 
+/** A peer's id that nobody without the secret of the key can have. 0 of a null key, and in builds
+ * without libsodium. */
+TANDEM_C_SESSION_API uint64_t tandem_key_peer(const tandem_key* public_key);
+
 TANDEM_C_SESSION_API void tandem_session_def_init(tandem_session_def* def);
 TANDEM_C_SESSION_API void tandem_tcp_def_init(tandem_tcp_def* def);
 TANDEM_C_SESSION_API void tandem_udp_def_init(tandem_udp_def* def);
