@@ -79,6 +79,7 @@ public sealed unsafe class Query : IDisposable {
   /// <summary>The nearest hit of a ray.</summary>
   public bool Ray(Vec3 origin, Vec3 direction, double maxDistance, out QueryHit hit,
                   QueryFilter? filter = null) {
+    hit = default(QueryHit);
     var native = Begin(filter);
     UIntPtr count;
     NativeError error;
