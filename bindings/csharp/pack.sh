@@ -20,6 +20,8 @@ fail() {
   exit 1
 }
 
+grep -q "^project(tandem VERSION $version " "$here/../../CMakeLists.txt" || fail "package.json has not Tandem's version"
+
 # Which folder of Plugins a library is for, by its header.
 place() {
   case $(od -An -tx1 -N20 "$1" | tr -d ' \n') in

@@ -6,13 +6,14 @@ using Tandem;
 /// <summary>The sample, without Unity: two people carry a table aside, over a link.</summary>
 internal static class TableTest {
   internal static void Run() {
-    const long start = 1000000000, stepNs = 16666667;
+    const long start = 1000000000;
     using (var network = new Network(new Link {Latency = 0.03}, 1, start))
-    using (var a = new TableRoom(world => new Session(world, network.Transport(1)), -1))
-    using (var b = new TableRoom(world => new Session(world, network.Transport(2)), 1)) {
+    using (var a = new TableRoom(network.Transport(1), -1))
+    using (var b = new TableRoom(network.Transport(2), 1)) {
       var rooms = new[] {a, b};
       for (var k = 1; k <= 600; ++k) {
-        network.Advance(start + k * stepNs);
+        var now = start + k * TableRoom.StepNs;
+        network.Advance(now);
         if (k == 60) {
           Check.Near(a.Pose.Position.Z, TableRoom.Height, 1e-3, "height of a table that stands");
           foreach (var room in rooms) room.Take();
@@ -21,7 +22,7 @@ internal static class TableTest {
         foreach (var room in rooms) {
           if (t > 0 && t <= 2) room.Hand += new Vec3(0, 0, 0.3 / 60);
           if (t > 2 && t <= 5) room.Hand += new Vec3(0, 0.5 / 60, 0);
-          room.Advance();
+          room.Step(now);
         }
         if (k == 540) Carried(rooms);
       }

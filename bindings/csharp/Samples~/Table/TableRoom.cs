@@ -14,17 +14,19 @@ public sealed class TableRoom : IDisposable {
   /// <summary>m: of the top's middle, where the table stands.</summary>
   public const double Height = 0.72;
 
+  /// <summary>ns: of a step.</summary>
+  public const long StepNs = 16666667;
+
   public readonly World World = new World();
-  public readonly Session Session;
   public readonly BodyId Table;
+  private readonly Peer peer;
   private readonly SharedId shared;
   private readonly Vec3 attachment;
-  private readonly Action<long> beforeStep;
   private uint hand;
 
-  /// <param name="join">makes the session of the world</param>
+  /// <param name="transport">this person's, of a Network or your own</param>
   /// <param name="end">1 or -1: the end of the table that this person carries</param>
-  public TableRoom(Func<World, Session> join, int end) {
+  public TableRoom(Transport transport, int end) {
     World.AddBody(BodyType.Static, Shape.Ground(), Pose.Identity);
     Table = World.AddBody(BodyType.Dynamic, Shape.Box(Top), new Pose(0, 0, Height), 600.0);
     foreach (var leg in Legs) {
@@ -32,13 +34,10 @@ public sealed class TableRoom : IDisposable {
       collider.Local = new Pose(leg, Quat.Identity);
       World.AddCollider(collider);
     }
-    Session = join(World);
-    shared = Session.Share("table", Table);
+    peer = new Peer(World, transport);
+    shared = peer.Share("table", Table);
     attachment = new Vec3(end * Top.X, 0, 0);
-    Hand = World.State(Table).Pose.Position + attachment;
-    beforeStep = now => {
-      if (Holds) Holds = Session.Move(hand, Hand);
-    };
+    Hand = Pose.Position + attachment;
   }
 
   /// <summary>Of this copy.</summary>
@@ -58,20 +57,25 @@ public sealed class TableRoom : IDisposable {
     def.Anchor = Hand = Pose.Position + Pose.Orientation * attachment;
     def.Stiffness = 4000;
     def.Damping = 400;
-    hand = Session.Grab(def);
+    hand = peer.Grab(def);
     Holds = true;
   }
 
   public void LetGo() {
-    if (Holds) Session.Release(hand);
+    if (Holds) peer.Release(hand);
     Holds = false;
   }
 
-  /// <summary>Once in each frame.</summary>
-  public void Advance() => Session.Advance(Session.Now, beforeStep);
+  /// <param name="nowNs">session time at which the step begins</param>
+  public void Step(long nowNs) {
+    if (Holds) peer.Move(hand, Hand, nowNs);
+    peer.BeforeStep(nowNs);
+    World.Step(1e-9 * StepNs);
+    peer.AfterStep(nowNs + StepNs);
+  }
 
   public void Dispose() {
-    Session.Dispose();
+    peer.Dispose();
     World.Dispose();
   }
 }

@@ -4,17 +4,11 @@ using System.Collections.Generic;
 using Tandem;
 using UnityEngine;
 
-/// <summary>Put it on an empty GameObject and play: two people carry a table. Both are in this
-/// process, each with a world and a session of its own, two metres apart so that both copies are
-/// seen; or one is, and the other in another process that connects to this one.</summary>
+/// <summary>Put it on an empty GameObject and play: two people carry a table. Each has a world of its
+/// own, with a link between them; both copies of the table are seen, two metres apart.</summary>
 public sealed class TableScene : MonoBehaviour {
-  [Tooltip("Both people in this process; else the one that Self says.")]
-  public bool both = true;
-  [Tooltip("1 listens, 2 connects.")]
-  public int self = 1;
-  public int port = 7777;
-  [Tooltip("Where 1 is. Other machines want a session key: see Credentials.")]
-  public string host = "localhost";
+  [Tooltip("s, one way, between the two")]
+  public float latency = 0.06f;
   [Tooltip("m/s")]
   public float speed = 0.7f;
 
@@ -25,43 +19,47 @@ public sealed class TableScene : MonoBehaviour {
   }
 
   private readonly List<Person> people = new List<Person>();
+  private Network network;
+  private long now = 1000000000;  // ns
+  private double due;             // s
 
   private void Start() {
-    if (both || self == 1) people.Add(First());
-    if (both || self == 2) people.Add(Second());
+    network = new Network(new Link {Latency = latency}, 1, now);
+    people.Add(new Person {
+        Room = new TableRoom(network.Transport(1), -1), Shown = Build(new Vector3(0, 0, -1)),
+        Left = KeyCode.A, Right = KeyCode.D, Away = KeyCode.W, Near = KeyCode.S,
+        Up = KeyCode.E, Down = KeyCode.Q, Take = KeyCode.Space});
+    people.Add(new Person {
+        Room = new TableRoom(network.Transport(2), 1), Shown = Build(new Vector3(0, 0, 1)),
+        Left = KeyCode.J, Right = KeyCode.L, Away = KeyCode.I, Near = KeyCode.K,
+        Up = KeyCode.O, Down = KeyCode.U, Take = KeyCode.Return});
   }
 
-  private Person First() => new Person {
-      Room = new TableRoom(
-          world => new Session(world, new TcpOptions {
-              Self = 1, ListenPort = port, ListenAddress = "127.0.0.1"}),
-          -1),
-      Shown = Build(new Vector3(0, 0, -1)),
-      Left = KeyCode.A, Right = KeyCode.D, Away = KeyCode.W, Near = KeyCode.S,
-      Up = KeyCode.E, Down = KeyCode.Q, Take = KeyCode.Space};
-
-  private Person Second() => new Person {
-      Room = new TableRoom(
-          world => new Session(world, new TcpOptions {
-              Self = 2, Connect = new[] {host + ":" + port}}),
-          1),
-      Shown = Build(new Vector3(0, 0, 1)),
-      Left = KeyCode.J, Right = KeyCode.L, Away = KeyCode.I, Near = KeyCode.K,
-      Up = KeyCode.O, Down = KeyCode.U, Take = KeyCode.Return};
-
   private void Update() {
-    foreach (var person in people) {
-      var room = person.Room;
-      if (Input.GetKeyDown(person.Take)) {
-        if (room.Holds) room.LetGo(); else room.Take();
-      }
-      var way = new Vector3(Axis(person.Left, person.Right), Axis(person.Down, person.Up),
-                            Axis(person.Near, person.Away));
-      room.Hand += (speed * Time.deltaTime * way).ToTandem();
-      room.Advance();
-      person.Shown.localPosition = room.Pose.Position.ToUnity();
-      person.Shown.localRotation = room.Pose.Orientation.ToUnity();
+    foreach (var person in people) Lead(person);
+    // No more than what a slow frame may catch up with.
+    due = System.Math.Min(due + Time.deltaTime, 0.1);
+    const double dt = 1e-9 * TableRoom.StepNs;
+    for (; due >= dt; due -= dt) {
+      network.Advance(now);
+      foreach (var person in people) person.Room.Step(now);
+      now += TableRoom.StepNs;
     }
+    foreach (var person in people) {
+      var pose = person.Room.Pose;
+      person.Shown.localPosition = pose.Position.ToUnity();
+      person.Shown.localRotation = pose.Orientation.ToUnity();
+    }
+  }
+
+  private void Lead(Person person) {
+    var room = person.Room;
+    if (Input.GetKeyDown(person.Take)) {
+      if (room.Holds) room.LetGo(); else room.Take();
+    }
+    var way = new Vector3(Axis(person.Left, person.Right), Axis(person.Down, person.Up),
+                          Axis(person.Near, person.Away));
+    room.Hand += (speed * Time.deltaTime * way).ToTandem();
   }
 
   private static float Axis(KeyCode less, KeyCode more) =>
@@ -90,5 +88,6 @@ public sealed class TableScene : MonoBehaviour {
   private void OnDestroy() {
     foreach (var person in people) person.Room.Dispose();
     people.Clear();
+    network?.Dispose();
   }
 }
