@@ -24,7 +24,8 @@
  * returns no result says 0 of a null object and of a handle that is stale.
  *
  * Threads: distinct objects may be used at the same time, one object by one thread at a time. A
- * peer and its world count as one, a network with all its transports and their peers as well.
+ * world counts as one with its peer or session, its characters, cars and the like, and the file
+ * that it is from; a network with all its transports and their peers as well.
  */
 
 #include <stddef.h>
@@ -152,7 +153,8 @@ typedef struct tandem_step_report {
 TANDEM_C_API void tandem_world_def_init(tandem_world_def* def);
 /** Null where it failed. */
 TANDEM_C_API tandem_world* tandem_world_create(const tandem_world_def* def, tandem_error* error);
-/** After all its peers. Null: nothing happens. */
+/** After its peer or session, queries, characters and whatever else is on it. Null: nothing
+ * happens. */
 TANDEM_C_API void tandem_world_destroy(tandem_world* world);
 /** @param dt  s, 1e-5 to 1e6     @param report  may be null */
 TANDEM_C_API tandem_result tandem_world_step(tandem_world* world, double dt,
@@ -650,8 +652,9 @@ typedef void (*tandem_receive)(void* inbox, uint64_t from, const void* bytes, si
 /** Takes a peer that there is or was. @param list  what the transport was given */
 typedef void (*tandem_list_peer)(void* list, uint64_t peer, int32_t connected);
 
-/** A transport of the caller's. The functions are called during tandem_peer_ functions alone, by
- * their thread, and must not call back into the peer or its world. */
+/** A transport of the caller's. The functions are called during tandem_peer_ and tandem_session_
+ * functions alone, by their thread, and must not call back into the peer, the session or its world.
+ */
 typedef struct tandem_transport_def {
   void* user;    /**< first argument of all of them */
   uint64_t self; /**< this peer; unique in the session, never 0 */
@@ -671,7 +674,7 @@ typedef struct tandem_transport_def {
 
 TANDEM_C_API tandem_transport* tandem_transport_create(const tandem_transport_def* def,
                                                        tandem_error* error);
-/** After its peer. Null: nothing happens. */
+/** After its peer or session. Null: nothing happens. */
 TANDEM_C_API void tandem_transport_destroy(tandem_transport* transport);
 
 /** A network between peers of one process, in virtual time: for tests. */
