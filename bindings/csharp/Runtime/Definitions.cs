@@ -4,7 +4,8 @@ using System.Runtime.InteropServices;
 
 #pragma warning disable 0649  // the library writes to them
 
-// What a program fills in. Take Default (or Of) and change it: what it does not know has its default.
+// What a program fills in. Take Default (or Of) and change it: what it does not know has its
+// default.
 namespace Tandem {
 
 [StructLayout(LayoutKind.Sequential)]

@@ -6,8 +6,8 @@ namespace Tandem {
 /// lies along its y, and so do capsules and cylinders.
 ///
 /// Vectors are of two kinds. Positions, velocities and forces go by To and From; what turns
-/// (angular velocities, torques, axes of hinges) by ToTurning and FromTurning, which differ where the
-/// engine is left-handed.</summary>
+/// (angular velocities, torques, axes of hinges) by ToTurning and FromTurning, which differ where
+/// the engine is left-handed.</summary>
 public struct Frame {
   /// <summary>x right, y up, z forward, left-handed: our (x, y, z) is its (x, z, y).</summary>
   public static Frame Unity => new Frame {left = true};

@@ -101,7 +101,8 @@ internal static unsafe partial class Native {
     if (count < 0 || count > (array == null ? 0 : array.Length)) {
       throw new TandemException(
           Result.InvalidArgument,
-          $"{field} must be 0 to {(array == null ? 0 : array.Length)}, the array's length, and is {count}");
+          $"{field} must be 0 to {(array == null ? 0 : array.Length)}, the array's length, " +
+              $"and is {count}");
     }
   }
 

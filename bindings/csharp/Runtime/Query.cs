@@ -165,7 +165,9 @@ public sealed unsafe class Query : IDisposable {
     accept = null;
     var thrown = failure;
     failure = null;
-    if (thrown != null) throw new InvalidOperationException("QueryFilter.Accept has thrown", thrown);
+    if (thrown != null) {
+      throw new InvalidOperationException("QueryFilter.Accept has thrown", thrown);
+    }
     Native.Check(result, ref error);
     return (int)count;
   }

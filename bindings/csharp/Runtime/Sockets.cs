@@ -25,7 +25,9 @@ public sealed unsafe class Key {
   public static Key Make() {
     var key = new Key();
     NativeError error;
-    fixed (NativeKey* into = &key.native) Native.Check(Native.tandem_key_make(into, &error), ref error);
+    fixed (NativeKey* into = &key.native) {
+      Native.Check(Native.tandem_key_make(into, &error), ref error);
+    }
     return key;
   }
 

@@ -9,8 +9,8 @@ namespace Tandem {
 /// world and its peers.</summary>
 public sealed unsafe partial class World : IDisposable {
   internal readonly WorldHandle Handle = new WorldHandle();
-  /// <summary>Queries, peers, characters and so on of it: the collector, which has a thread of its own,
-  /// frees none of them while the world is in use.</summary>
+  /// <summary>Queries, peers, characters and so on of it: the collector, which has a thread
+  /// of its own, frees none of them while the world is in use.</summary>
   internal readonly List<object> Dependents = new List<object>();
 
   public World() : this(WorldDef.Default) {}

@@ -4,8 +4,8 @@ using System.Collections.Generic;
 using Tandem;
 using UnityEngine;
 
-/// <summary>Put it on an empty GameObject and play: two people carry a table. Each has a world of its
-/// own, with a link between them; both copies of the table are seen, two metres apart.</summary>
+/// <summary>Put it on an empty GameObject and play: two people carry a table. Each has a world of
+/// its own, with a link between them; both copies of the table are seen, two metres apart.</summary>
 public sealed class TableScene : MonoBehaviour {
   [Tooltip("s, one way, between the two")]
   public float latency = 0.06f;
