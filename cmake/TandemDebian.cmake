@@ -65,7 +65,7 @@ set(CPACK_COMPONENT_PYTHON_DESCRIPTION
     "Scenes, states as numpy arrays and batches for Python.")
 # The demos' libraries are in no package yet when their dependencies are looked for.
 set(folders)
-foreach(module IN ITEMS pbd collision scene scene_files urdf mjcf obj consensus virtual_network net session ice mpi c)
+foreach(module IN ITEMS pbd collision scene scene_files urdf mjcf obj consensus virtual_network net session ice mpi c c_session c_files)
   if(TARGET tandem_${module})
     get_target_property(folder tandem_${module} BINARY_DIR)
     list(APPEND folders "${folder}")

@@ -26,7 +26,7 @@ configure_file("${CMAKE_CURRENT_LIST_DIR}/exports.map.in" "${PROJECT_BINARY_DIR}
 # modules together is in namespace tandem and in include/tandem/. It is
 # installed with an export set of its own, so that a consumer of one module needs the dependencies of
 # that module only. ABSENT_HEADERS, by their file names, belong to something that this build leaves
-# out: they are not installed.
+# out: they are not installed. One without a folder include has its declarations in another's headers.
 function(tandem_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC_LINK;PRIVATE_LINK;ABSENT_HEADERS")
   if(arg_UNPARSED_ARGUMENTS)
@@ -68,8 +68,10 @@ function(tandem_module name)
   foreach(header IN LISTS arg_ABSENT_HEADERS)
     list(APPEND absent PATTERN "${header}" EXCLUDE)
   endforeach()
-  install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT dev FILES_MATCHING
-          PATTERN "*.h" ${absent})
+  if(IS_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/include")
+    install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT dev FILES_MATCHING
+            PATTERN "*.h" ${absent})
+  endif()
   install(EXPORT tandem-${name}-targets NAMESPACE tandem::
           DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/tandem" COMPONENT dev)
 

@@ -5,12 +5,13 @@
 # Installs the Debian packages that Tandem needs, those that are missing only; says nothing where
 # none is.
 #   cmake/install-deps.sh [--with-view] [--with-checks] [--with-benchmarks] [--with-ice]
-#     [--with-cluster] [--with-python] [--with-robots] [--with-web] [--with-cross]
+#     [--with-cluster] [--with-python] [--with-csharp] [--with-robots] [--with-web] [--with-cross]
 # with --with-view also what the demos' page is built with (docs/view.md), with --with-checks what
 # .ci/run needs, with --with-benchmarks what the benchmarks compare with and draw with, with --with-ice
 # what TANDEM_WITH_ICE and its tests need, with --with-cluster what TANDEM_WITH_MPI, TANDEM_WITH_NATS and
 # their tests need (docs/scale.md), with --with-python what TANDEM_BUILD_PYTHON and its tests
-# need, with --with-robots what TANDEM_WITH_URDF and TANDEM_WITH_MJCF need (docs/scene_files.md), with
+# need, with --with-csharp what TANDEM_BUILD_CSHARP and its tests need (docs/csharp.md), with
+# --with-robots what TANDEM_WITH_URDF and TANDEM_WITH_MJCF need (docs/scene_files.md), with
 # --with-web what the package for browsers is built and tested with (docs/web.md), with --with-cross what
 # Tandem for 64 bit ARM and Windows is built with and runs on (docs/platforms.md); all is built without it, too,
 # and shows or does less.
@@ -32,6 +33,8 @@ with_view() {
 for argument in "$@"; do
   case "$argument" in
     --with-python) packages+=(pybind11-dev python3-dev python3-numpy python3-pytest mypy) ;;
+    --with-csharp)
+      packages+=(mono-mcs mono-runtime libmono-system4.0-cil libmono-system-core4.0-cil binutils python3) ;;
     --with-robots)
       packages+=(liburdfdom-dev libtinyxml-dev libmujoco-dev libqhull-dev python3-jsonschema) ;;
     --with-view) with_view ;;

@@ -272,6 +272,7 @@ int main(void) {
   snapshot_brings_its_events_back();
   queries_find();
   peers_share();
+  parts_move();
   if (failures > 0) fprintf(stderr, "%d checks failed\n", failures);
   return failures > 0 ? 1 : 0;
 }

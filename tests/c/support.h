@@ -54,6 +54,8 @@ static inline tandem_collider add_shape(tandem_world* world, tandem_body body,
   return collider;
 }
 
+/* What is in parts.c. */
+void parts_move(void);
 /* What is in refusals.c. */
 void what_is_wrong_is_refused(void);
 /* What is in queries.c. */

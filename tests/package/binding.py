@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""The C interface as a language sees it that reads no headers: binding.py LIBRARY
+"""The C interface as a language sees it that reads no headers: binding.py LIBRARY [SESSION_LIBRARY]
 
 The structs are written down once more, as version 2 has them. Where the library's are other ones,
 its version must be another one as well: defaults would be misplaced, or what lies behind a struct
@@ -63,6 +63,44 @@ Peers = CFUNCTYPE(None, c_void_p, ListPeer, c_void_p)
 Drop = CFUNCTYPE(None, c_void_p, c_uint64, c_void_p)
 TransportDef = struct("TransportDef", user=c_void_p, self=c_uint64, post=Post, drain=Drain,
                       peers=Peers, drop=Drop, max_packet=c_size_t)
+
+Filter = struct("Filter", category=c_uint32, mask=c_uint32, group=c_int32)
+CharacterDef = struct("CharacterDef", radius=c_double, half_height=c_double, position=Vec3,
+                      mass=c_double, max_push=c_double, max_slope=c_double, max_step=c_double,
+                      air_acceleration=c_double, padding=c_double, filter=Filter)
+CharacterState = struct("CharacterState", body=Id, footing=c_int32, ground=Id, ground_normal=Vec3,
+                        velocity=Vec3)
+CarDef = struct("CarDef", pose=Pose, half_extents=Vec3, mass=c_double, wheelbase=c_double,
+                track=c_double, axle_height=c_double, wheel_radius=c_double, wheel_width=c_double,
+                wheel_mass=c_double, stiffness=c_double, damping=c_double, travel=c_double,
+                friction=c_double, drive_torque=c_double, brake_torque=c_double,
+                top_speed=c_double, max_steer=c_double, filter=Filter)
+RopeDef = struct("RopeDef", start=Vec3, end=Vec3, length=c_double, particles=c_int32, mass=c_double,
+                 radius=c_double, compliance=c_double, bending=c_double, damping=c_double,
+                 friction=c_double, restitution=c_double, filter=Filter)
+ClothDef = struct("ClothDef", pose=Pose, width=c_double, height=c_double, columns=c_int32,
+                  rows=c_int32, density=c_double, radius=c_double, stretching=c_double,
+                  shearing=c_double, bending=c_double, damping=c_double, friction=c_double,
+                  restitution=c_double, filter=Filter)
+RagdollDef = struct("RagdollDef", pose=Pose, height=c_double, mass=c_double, damping=c_double,
+                    friction=c_double, restitution=c_double, filter=Filter)
+# Of sessions:
+SessionDef = struct("SessionDef", rate=c_double, peer=PeerDef, make=c_void_p, remove=c_void_p,
+                    max_spawned=c_uint32, max_spawned_of_one=c_uint32, clock=c_void_p,
+                    user=c_void_p)
+Credentials = struct("Credentials", session_key=c_void_p, identity=c_void_p, trusted=c_void_p,
+                     trusted_count=c_size_t, organiser=c_void_p, certificate=c_void_p,
+                     certificate_size=c_size_t)
+TcpDef = struct("TcpDef", self=c_uint64, scene_hash=c_uint64, listen_port=c_int32,
+                insecure=c_int32, listen_address=c_void_p, connect=c_void_p,
+                credentials=Credentials)
+UdpDef = struct("UdpDef", self=c_uint64, scene_hash=c_uint64, port=c_int32, clock=c_int32,
+                address=c_void_p, connect=c_void_p, credentials=Credentials, kbit_per_s=c_double,
+                relay=c_int32)
+Progress = struct("Progress", steps=c_int32, status=c_int32, skipped=c_int64, lag=c_int64,
+                  held=c_int64, stepped_elsewhere=c_int32)
+SessionStats = struct("SessionStats", peer=PeerStats, spawns_refused=c_uint64,
+                      events_lost=c_uint64, events_rejected=c_uint64)
 
 failures = []
 
@@ -161,11 +199,11 @@ def falls(library):
     library.call("shape_mass", byref(box), c_double(3.0), byref(mass.it), None)
     mass.ends_where_it_must()
     check(abs(mass.it.mass - 3.0) < 1e-12 and abs(mass.it.inertia[8] - 0.5) < 1e-12, "a cube's mass")
-    session(library, world, bodies[1])
+    peer_alone(library, world, bodies[1])
     library.call("world_destroy", world, result=None)
 
 
-def session(library, world, body):
+def peer_alone(library, world, body):
     """A transport whose one peer hears everything and says nothing."""
     posted = []
 
@@ -204,12 +242,77 @@ def session(library, world, body):
     library.call("transport_destroy", transport, result=None)
 
 
+def parts(library):
+    character = library.made(CharacterDef, "character_def_init")
+    check((character.radius, character.position.z, character.max_step, character.padding,
+           character.filter.category, character.filter.group) == (0.3, 1.0, 0.35, 0.02, 1, 0),
+          "defaults of characters")
+    car = library.made(CarDef, "car_def_init")
+    check((car.pose.position.z, car.half_extents.x, car.wheel_radius, car.friction, car.max_steer,
+           car.filter.mask) == (0.8, 2.0, 0.35, 0.9, 0.6, 0xFFFFFFFF), "defaults of cars")
+    rope = library.made(RopeDef, "rope_def_init")
+    check((rope.end.x, rope.particles, rope.mass, rope.damping, rope.friction,
+           rope.filter.category) == (1.0, 20, 0.5, 0.1, 0.5, 1), "defaults of ropes")
+    cloth = library.made(ClothDef, "cloth_def_init")
+    check((cloth.pose.orientation.w, cloth.rows, cloth.shearing, cloth.damping,
+           cloth.filter.category) == (1.0, 20, 50.0, 0.2, 1), "defaults of cloth")
+    doll = library.made(RagdollDef, "ragdoll_def_init")
+    check((doll.height, doll.mass, doll.damping, doll.friction, doll.filter.mask) ==
+          (1.75, 70.0, 2.0, 0.5, 0xFFFFFFFF), "defaults of ragdolls")
+    world = c_void_p(library.call("world_create", byref(library.made(WorldDef, "world_def_init")),
+                                  None, result=c_void_p))
+    hero = c_void_p(library.call("character_create", world, byref(character), None, result=c_void_p))
+    state = Watched(CharacterState)
+    check(library.call("character_get_state", hero, byref(state.it), None) == 0, "a character")
+    state.ends_where_it_must()
+    check((state.it.footing, state.it.ground.index, state.it.ground_normal.z) ==
+          (2, 0xFFFFFFFF, 1.0), "a character in the air")
+    library.call("character_destroy", hero, result=None)
+    library.call("world_destroy", world, result=None)
+
+
+def session(library, sessions):
+    """Alone on loopback: a step is 1/60 s."""
+    definition = sessions.made(SessionDef, "session_def_init")
+    check((definition.rate, definition.peer.replay_budget, definition.make,
+           definition.max_spawned_of_one, definition.user) == (60.0, 4.0, None, 256, None),
+          "defaults of sessions")
+    udp = sessions.made(UdpDef, "udp_def_init")
+    check((udp.port, udp.address, udp.credentials.trusted_count, udp.kbit_per_s, udp.relay) ==
+          (0, None, 0, 256.0, 1), "defaults of UDP")
+    tcp = sessions.made(TcpDef, "tcp_def_init")
+    check((tcp.listen_port, tcp.insecure, tcp.credentials.certificate_size) == (-1, 0, 0),
+          "defaults of TCP")
+    tcp.self, tcp.listen_port = 7, 0
+    address = ctypes.c_char_p(b"127.0.0.1")
+    tcp.listen_address = ctypes.cast(address, c_void_p)
+    world = c_void_p(library.call("world_create", byref(library.made(WorldDef, "world_def_init")),
+                                  None, result=c_void_p))
+    alone = c_void_p(sessions.call("session_create_tcp", world, byref(tcp), byref(definition), None,
+                                   result=c_void_p))
+    check(sessions.call("session_port", alone) > 0 and
+          sessions.call("session_self", alone, result=c_uint64) == 7, "a session over TCP")
+    progress, stats = Watched(Progress), Watched(SessionStats)
+    for now in (10**10, 10**10 + 50 * 10**6):
+        sessions.call("session_advance", alone, c_int64(now), None, None, byref(progress.it), None)
+    sessions.call("session_get_stats", alone, byref(stats.it), result=None)
+    for watched in (progress, stats):
+        watched.ends_where_it_must()
+    check(progress.it.steps in (3, 4) and progress.it.status == 0, "50 ms of steps")
+    check((stats.it.peer.packets_rejected, stats.it.events_rejected) == (0, 0), "of nobody")
+    sessions.call("session_destroy", alone, result=None)
+    library.call("world_destroy", world, result=None)
+
+
 def main():
     library = Library(sys.argv[1])
     version = library.call("c_version", result=c_uint32)
     check(version == VERSION, f"version {version}: these structs are of version {VERSION}")
     defaults(library)
     falls(library)
+    parts(library)
+    if len(sys.argv) > 2:
+        session(library, Library(sys.argv[2]))
     for failure in failures:
         print(f"binding: does not hold: {failure}")
     if not failures:

@@ -13,7 +13,7 @@ command -v dpkg-deb >/dev/null || {
 
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh" deb shared "$@"
 # What is packed, and nothing else.
-targets=(tandem_scene tandem_session tandem_obj tandem_scene_files tandem_c)
+targets=(tandem_scene tandem_session tandem_obj tandem_scene_files tandem_c_session tandem_c_files)
 known=$(cmake --build "$build" --target help)
 for program in cliff cubes piano pile room tennis tandem-key tandem-peer tandem-replay; do
   if grep -qE "^$program:" <<<"$known"; then targets+=("$program"); fi
@@ -46,6 +46,7 @@ has libtandem-dev 'include/tandem/pbd/world\.h$'
 has libtandem-dev 'libtandem_net\.so -> '
 has libtandem-dev 'tandemConfig\.cmake$'
 has libtandem-dev 'tandem-c\.pc$'
+has libtandem-dev 'tandem-c_session\.pc$'
 hasnt libtandem-dev '/bin/|\.so\.[0-9.]+$'
 has tandem-demos 'bin/tandem-demo$'
 has tandem-demos 'bin/tandem-key$'

@@ -21,6 +21,7 @@ obj='(^|[^A-Za-z_])tinyobj::|NEEDED libtinyobj'
 
 joints='(^|[^A-Za-z_])tandem::Scene::joints'
 whole='(^|[^A-Za-z_])tandem::(Scene|Session)::'
+parts='(^|[^A-Za-z_])tandem::(Car|Character|Cloth|Ragdoll|Rope|pbd::ClothBlock)::'
 
 # symbols COMPONENT: everything its executable defines or wants, and the libraries it loads.
 symbols() {
@@ -87,16 +88,28 @@ without session FCL "$fcl|NEEDED lib(fcl|ccd|octo)"
 with session Asio "$asio"
 with session Session "$whole"
 
-consumer c "$prefix" tinyobjloader Asio
+consumer c "$prefix" tinyobjloader nlohmann_json Asio
 without c Asio "$asio"
+without c nlohmann_json "$json"
+without c parts "$parts"
+without c Session "(^|[^A-Za-z_])tandem::Session::"
+
+consumer c_session "$prefix" tinyobjloader nlohmann_json Asio
+with c_session Asio "$asio"
+without c_session nlohmann_json "$json"
+without c_session parts "$parts"
+
+consumer c_files "$prefix" tinyobjloader nlohmann_json Asio
+with c_files nlohmann_json "$json"
+without c_files Asio "$asio"
 
 # The same without CMake, and from a tree that was moved.
 mv "$prefix" "$scratch/moved"
-for component in pbd collision scene scene_files obj consensus virtual_network net session c; do
+for component in pbd collision scene scene_files obj consensus virtual_network net session c c_session c_files; do
   source=$here/$component.cpp
   language=(c++ -std=c++20 -Wno-missing-field-initializers)
-  if [[ $component == c ]]; then
-    source=$here/c.c
+  if [[ $component == c || $component == c_* ]]; then
+    source=$here/$component.c
     language=(cc -std=c11)
   fi
   flags=$(PKG_CONFIG_PATH=$(echo "$scratch"/moved/lib*/pkgconfig) \

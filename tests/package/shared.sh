@@ -13,8 +13,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh" shared shared "$@"
 users=$root/build/release
 [[ -x $users/bin/pbd_test ]] || fail "preset release has not been built"
 
-cmake --build "$build" --target tandem_scene tandem_scene_files tandem_session tandem_virtual_network tandem_obj c_test
-ctest --test-dir "$build" -R '^c_test$' --no-tests=error --output-on-failure
+cmake --build "$build" --target tandem_c_files tandem_c_session tandem_virtual_network tandem_obj \
+  c_test c_session_test c_files_test
+ctest --test-dir "$build" -R '^c(_session|_files)?_test$' --no-tests=error --output-on-failure
 
 prefix=$scratch/prefix
 for component in runtime dev; do
@@ -22,7 +23,7 @@ for component in runtime dev; do
 done
 mapfile -t libraries < <(find "$prefix" -name 'libtandem_*.so' | sort)
 folder=$(dirname "${libraries[0]}")
-[[ ${#libraries[@]} -eq 10 ]] || fail "these are not ten libraries: ${libraries[*]}"
+[[ ${#libraries[@]} -eq 12 ]] || fail "these are not twelve libraries: ${libraries[*]}"
 
 # By their names: the version, the binary interface's, the linker's.
 version=$(sed -n 's/^project(tandem VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")
@@ -56,7 +57,7 @@ python3 "$here/exports.py" "$prefix/include" --users "$users" "$folder"/libtande
 grep -q 'objects want .* public symbols, [1-9]' "$scratch/log" ||
   fail_with_log "the check of what is wanted is broken"
 
-python3 "$here/binding.py" "$folder/libtandem_c.so" || fail "the C interface is of another version"
+python3 "$here/binding.py" "$folder/libtandem_c.so" "$folder/libtandem_c_session.so" || fail "the C interface is of another version"
 
 # An application with hidden symbols, by each compiler there is; without what libraries have inside.
 for compiler in c++ clang++; do
@@ -73,13 +74,13 @@ done
 cat "$scratch/log"
 
 # Who links a shared library needs nothing that is inside it.
-for component in c session obj scene scene_files; do
+for component in c c_session c_files session obj scene scene_files; do
   consumer "$component" "$prefix" fcl ccd tinyobjloader PkgConfig >/dev/null
 done
 # By pkg-config likewise: of other packages' files there is Eigen's alone.
 mkdir "$scratch/pc"
 cp "$folder"/pkgconfig/*.pc "$(pkg-config --variable=pcfiledir eigen3)/eigen3.pc" "$scratch/pc"
-for component in pbd collision scene scene_files obj consensus virtual_network net session c; do
+for component in pbd collision scene scene_files obj consensus virtual_network net session c c_session c_files; do
   PKG_CONFIG_LIBDIR=$scratch/pc pkg-config --cflags --libs "tandem-$component" >"$scratch/log" 2>&1 ||
     fail_with_log "tandem-$component wants more than Eigen"
 done

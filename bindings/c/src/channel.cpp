@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "convert.h"
 #include "guard.h"
+#include "sharing.h"
 #include "tandem/consensus/events.h"
 #include "transport_impl.h"
 
@@ -45,13 +46,7 @@ size_t tandem_channel_events(const tandem_channel* channel, tandem_event* events
   if (channel == nullptr) return 0;
   const auto received = channel->channel.received();
   for (size_t i = 0; i < received.size() && i < capacity && events != nullptr; ++i) {
-    const consensus::Event& event = received[i];
-    events[i] = {.from = event.from,
-                 .stamp_ns = event.stamp,
-                 .topic = event.topic.c_str(),
-                 .topic_size = event.topic.size(),
-                 .payload = event.payload.data(),
-                 .payload_size = event.payload.size()};
+    events[i] = to_c(received[i]);
   }
   return received.size();
 }

@@ -14,7 +14,7 @@ using namespace tandem;
 using namespace tandem::c;
 
 struct tandem_query {
-  explicit tandem_query(const tandem_world& of) : world(of), query(of.world, of.scene) {}
+  explicit tandem_query(const tandem_world& of) : world(of), query(of.world, of.shapes) {}
   const tandem_world& world;
   collision::SceneQuery query;
 };
@@ -83,7 +83,7 @@ void tandem_query_destroy(tandem_query* query) { delete query; }
 tandem_result tandem_query_update(tandem_query* query, tandem_error* error) {
   return guarded(error, [&] {
     tandem_query& q = required(query, "query");
-    q.query.update(q.world.world, q.world.scene);
+    q.query.update(q.world.world, q.world.shapes);
   });
 }
 

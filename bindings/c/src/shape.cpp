@@ -124,16 +124,16 @@ tandem_result tandem_collider_add(tandem_world* world, const tandem_collider_def
     const tandem_collider_def& d = required(def, "def");
     tandem_collider& out = required(collider, "collider");
     out = to_c(
-        w.scene.add(w.world, {.body = from_c(d.body),
-                              .shape = shape_of(d.shape),
-                              .local = from_c(d.local),
-                              .material = {.friction = d.friction, .restitution = d.restitution},
-                              .filter = {.category = d.category, .mask = d.mask, .group = d.group},
-                              .sensor = d.sensor != 0}));
+        w.shapes.add(w.world, {.body = from_c(d.body),
+                               .shape = shape_of(d.shape),
+                               .local = from_c(d.local),
+                               .material = {.friction = d.friction, .restitution = d.restitution},
+                               .filter = {.category = d.category, .mask = d.mask, .group = d.group},
+                               .sensor = d.sensor != 0}));
   });
 }
 
 tandem_result tandem_collider_remove(tandem_world* world, tandem_collider collider,
                                      tandem_error* error) {
-  return guarded(error, [&] { required(world, "world").scene.remove(from_c(collider)); });
+  return guarded(error, [&] { required(world, "world").shapes.remove(from_c(collider)); });
 }

@@ -127,6 +127,7 @@ tandem_transport* tandem_network_transport(tandem_network* network, uint64_t pee
     if (entry == nullptr) {
       entry = std::make_unique<tandem_transport>();
       entry->transport = &transport;
+      entry->clock = [&n] { return n.network.now(); };
     }
     return entry.get();
   });

@@ -2,6 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "tandem/c/tandem.h"
@@ -10,4 +12,5 @@
 struct tandem_transport {
   tandem::consensus::Transport* transport = nullptr;
   std::unique_ptr<tandem::consensus::Transport> owned;  ///< null where a network has it
+  std::function<std::int64_t()> clock;  ///< session time, ns; empty where the transport has none
 };

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,17 +15,6 @@
 
 using namespace tandem;
 using namespace tandem::c;
-
-tandem_world::tandem_world(const tandem_world_def& def)
-    : world({.gravity = from_c(def.gravity)}),
-      joints(world.add_block<pbd::JointBlock>()),
-      solver({.substeps = def.substeps,
-              .sleep_after = def.sleep_after,
-              .threads = def.threads,
-              .measure_stages = false}) {
-  world.set_contact_source(&scene);
-  if (def.events != 0) events.emplace();
-}
 
 uint32_t tandem_c_version(void) { return TANDEM_C_VERSION; }
 
@@ -39,7 +29,10 @@ void tandem_world_def_init(tandem_world_def* def) {
 }
 
 tandem_world* tandem_world_create(const tandem_world_def* def, tandem_error* error) {
-  return made_by(error, [&] { return new tandem_world(required(def, "def")); });
+  return made_by(error, [&] {
+    const tandem_world_def& d = required(def, "def");
+    return new tandem_world(std::make_shared<Scene>(options_of(d)), d.events != 0);
+  });
 }
 
 void tandem_world_destroy(tandem_world* world) { delete world; }
@@ -50,8 +43,7 @@ tandem_result tandem_world_step(tandem_world* world, double dt, tandem_step_repo
     tandem_world& w = required(world, "world");
     pbd::detail::require(dt >= pbd::kShortestStep && dt <= 1e6, "tandem_world_step", "dt", dt,
                          "1e-5 to 1e6 s");
-    const pbd::StepReport& done = w.solver.step(w.world, dt);
-    if (w.events) w.events->update(w.world, w.scene);
+    const pbd::StepReport& done = w.step(dt);
     if (report != nullptr) {
       *report = {.finite = done.status != pbd::StepStatus::NonFinite ? 1 : 0,
                  .bodies = done.bodies,

@@ -2,22 +2,52 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "tandem/c/tandem.h"
 #include "tandem/collision/contact_events.h"
-#include "tandem/collision/contact_source.h"
 #include "tandem/pbd/joint.h"
-#include "tandem/pbd/solver.h"
-#include "tandem/pbd/world.h"
+#include "tandem/scene.h"
 
-/// All that a world of the C interface is made of.
+/// All that a world of the C interface is made of. Its functions are inline, since sessions and
+/// scene files are in other libraries.
 struct tandem_world {
-  explicit tandem_world(const tandem_world_def& def);
+  /// @param collects  whether contact events are wanted
+  tandem_world(std::shared_ptr<tandem::Scene> of, bool collects)
+      : scene(std::move(of)),
+        world(scene->world()),
+        shapes(scene->shapes()),
+        // At once: a snapshot fits worlds that have it alike.
+        joints(scene->joints()) {
+    if (collects) events.emplace();
+  }
 
-  tandem::pbd::World world;
-  tandem::collision::CollisionScene scene;
+  const tandem::pbd::StepReport& step(double dt) {
+    const tandem::pbd::StepReport& done = scene->step(dt);
+    if (events) events->update(world, shapes);
+    return done;
+  }
+
+  std::shared_ptr<tandem::Scene> scene;  ///< perhaps part of what came from a file
+  tandem::pbd::World& world;
+  tandem::collision::CollisionScene& shapes;
   tandem::pbd::JointBlock& joints;
-  tandem::pbd::Solver solver;
-  std::optional<tandem::collision::ContactEvents> events;  ///< where they are wanted
+  /// Where they are wanted. Not the scene's: these can be set back.
+  std::optional<tandem::collision::ContactEvents> events;
 };
+
+namespace tandem::c {
+
+inline SceneOptions options_of(const tandem_world_def& def) {
+  SceneOptions options;
+  options.gravity = {def.gravity.x, def.gravity.y, def.gravity.z};
+  options.solver.substeps = def.substeps;
+  options.solver.sleep_after = def.sleep_after;
+  options.solver.threads = def.threads;
+  options.solver.measure_stages = false;
+  return options;
+}
+
+}  // namespace tandem::c

@@ -22,12 +22,13 @@ function withGround(options) {
   return world;
 }
 
-test('the module has every function of the C interface', () => {
+test('the module has every function of the C interface but those of parts', () => {
   const header = readFileSync(new URL('bindings/c/include/tandem/c/tandem.h', root), 'utf8');
   const names = [...header.matchAll(/^TANDEM_C_API [^;(]*?(tandem_\w+)\(/gms)].map((match) => match[1]);
+  const parts = /^tandem_(attachment|car|character|cloth|ragdoll|rope)_/;
   const exported = WebAssembly.Module.exports(new WebAssembly.Module(module)).map(({name}) => name);
   assert.ok(names.length > 50);
-  assert.deepEqual(names.filter((name) => !exported.includes(name)), []);
+  assert.deepEqual(names.filter((name) => exported.includes(name) === parts.test(name)), []);
 });
 
 test('a body falls as it must', () => {

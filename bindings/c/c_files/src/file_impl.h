@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <memory>
+
+#include "tandem/c/tandem.h"
+#include "tandem/scene_files.h"
+
+struct tandem_scene_file {
+  std::shared_ptr<tandem::SceneFile> file;  ///< whose scene is the world's
+};

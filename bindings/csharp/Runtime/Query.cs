@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+using System;
+using System.Runtime.InteropServices;
+
+namespace Tandem {
+
+/// <summary>Which colliders a query sees. Take Default and change it.</summary>
+public struct QueryFilter {
+  public uint Category, Mask;  // as of a collider; all, all
+  public int Group;            // likewise; 0
+  public BodyId Ignore;        // all colliders of that body are left out; BodyId.None
+  public bool Sensors;         // sensors too; false
+  public bool BackFaces;       // the backs of triangles stop rays and casts, too; false
+  /// <summary>Null: all. Called for candidates alone, in no special order.</summary>
+  public Func<ColliderId, bool> Accept;
+
+  public static QueryFilter Default {
+    get {
+      Native.tandem_query_filter_init(out var filter);
+      return new QueryFilter {Category = filter.Category,
+                              Mask = filter.Mask,
+                              Group = filter.Group,
+                              Ignore = filter.Ignore,
+                              Sensors = filter.Sensors != 0,
+                              BackFaces = filter.BackFaces != 0};
+    }
+  }
+}
+
+/// <summary>Rays, casts, overlaps and nearest places among the colliders of a world, as they were
+/// at the last Update. They fill arrays of the caller's, which may be null, and return how many
+/// there are; where room is for no more than one, only whether there is any.</summary>
+public sealed unsafe class Query : IDisposable {
+  private static readonly AcceptFunction acceptFunction = AcceptCollider;
+  private static readonly IntPtr acceptPointer =
+      Marshal.GetFunctionPointerForDelegate(acceptFunction);
+
+  private readonly QueryHandle handle = new QueryHandle();
+  private readonly World world;
+  private Func<ColliderId, bool> accept;
+  private Exception failure;
+
+  public Query(World world) {
+    this.world = world ?? throw new ArgumentNullException(nameof(world));
+    NativeError error;
+    handle.Adopt(Native.tandem_query_create(world.Handle, &error), ref error, world.Handle);
+    // Weak: it must not keep itself.
+    handle.User = GCHandle.Alloc(this, GCHandleType.Weak);
+    world.Dependents.Add(this);
+  }
+
+  public void Dispose() {
+    handle.Dispose();
+    world.Dependents.Remove(this);
+  }
+
+  /// <summary>Bodies have moved, colliders have changed: see the world as it is now.</summary>
+  public void Update() {
+    NativeError error;
+    Native.Check(Native.tandem_query_update(handle, &error), ref error);
+  }
+
+  /// <param name="direction">of any length above 0</param>
+  /// <param name="maxDistance">m, > 0</param>
+  public int Ray(Vec3 origin, Vec3 direction, double maxDistance, QueryHit[] into,
+                 QueryFilter? filter = null) {
+    var native = Begin(filter);
+    UIntPtr count;
+    NativeError error;
+    Result result;
+    fixed (QueryHit* hits = into) {
+      result = Native.tandem_query_ray(handle, origin, direction, maxDistance, &native, hits,
+                                       Capacity(into), &count, &error);
+    }
+    return End(result, count, ref error);
+  }
+
+  /// <summary>The nearest hit of a ray.</summary>
+  public bool Ray(Vec3 origin, Vec3 direction, double maxDistance, out QueryHit hit,
+                  QueryFilter? filter = null) {
+    hit = default(QueryHit);
+    var native = Begin(filter);
+    UIntPtr count;
+    NativeError error;
+    Result result;
+    fixed (QueryHit* into = &hit) {
+      result = Native.tandem_query_ray(handle, origin, direction, maxDistance, &native, into,
+                                       (UIntPtr)1, &count, &error);
+    }
+    if (End(result, count, ref error) > 0) return true;
+    hit = default(QueryHit);
+    return false;
+  }
+
+  /// <summary>A convex shape moves from `start` by `displacement` (m) without turning.</summary>
+  public int Cast(Shape shape, Pose start, Vec3 displacement, QueryHit[] into,
+                  QueryFilter? filter = null) {
+    if (shape == null) throw new ArgumentNullException(nameof(shape));
+    var native = Begin(filter);
+    UIntPtr count;
+    NativeError error;
+    Result result;
+    fixed (Vec3* points = shape.Points)
+    fixed (QueryHit* hits = into) {
+      var asked = shape.At(points, null, null);
+      result = Native.tandem_query_cast(handle, &asked, &start, displacement, &native, hits,
+                                        Capacity(into), &count, &error);
+    }
+    return End(result, count, ref error);
+  }
+
+  /// <summary>What is nearest, no further than `maxDistance` (m, >= 0).</summary>
+  /// <param name="shape">convex; null: a point</param>
+  public int Closest(Shape shape, Pose pose, double maxDistance, QueryHit[] into,
+                     QueryFilter? filter = null) {
+    var native = Begin(filter);
+    UIntPtr count;
+    NativeError error;
+    Result result;
+    fixed (Vec3* points = shape?.Points)
+    fixed (QueryHit* hits = into) {
+      var asked = shape == null ? default(NativeShape) : shape.At(points, null, null);
+      result = Native.tandem_query_closest(handle, shape == null ? null : &asked, &pose,
+                                           maxDistance, &native, hits, Capacity(into), &count,
+                                           &error);
+    }
+    return End(result, count, ref error);
+  }
+
+  /// <summary>What shares a point with the shape, in ascending order.</summary>
+  /// <param name="shape">convex</param>
+  public int Overlap(Shape shape, Pose pose, ColliderId[] into, QueryFilter? filter = null) {
+    if (shape == null) throw new ArgumentNullException(nameof(shape));
+    var native = Begin(filter);
+    UIntPtr count;
+    NativeError error;
+    Result result;
+    fixed (Vec3* points = shape.Points)
+    fixed (ColliderId* colliders = into) {
+      var asked = shape.At(points, null, null);
+      result = Native.tandem_query_overlap(handle, &asked, &pose, &native, colliders,
+                                           Capacity(into), &count, &error);
+    }
+    return End(result, count, ref error);
+  }
+
+  private static UIntPtr Capacity(Array into) => (UIntPtr)(into == null ? 0 : into.Length);
+
+  private NativeQueryFilter Begin(QueryFilter? filter) {
+    var from = filter ?? QueryFilter.Default;
+    accept = from.Accept;
+    failure = null;
+    return new NativeQueryFilter {Category = from.Category,
+                                  Mask = from.Mask,
+                                  Group = from.Group,
+                                  Ignore = from.Ignore,
+                                  Sensors = from.Sensors ? 1 : 0,
+                                  BackFaces = from.BackFaces ? 1 : 0,
+                                  Accept = accept == null ? IntPtr.Zero : acceptPointer,
+                                  User = GCHandle.ToIntPtr(handle.User)};
+  }
+
+  private int End(Result result, UIntPtr count, ref NativeError error) {
+    accept = null;
+    var thrown = failure;
+    failure = null;
+    if (thrown != null) {
+      throw new InvalidOperationException("QueryFilter.Accept has thrown", thrown);
+    }
+    Native.Check(result, ref error);
+    return (int)count;
+  }
+
+  [MonoPInvokeCallback(typeof(AcceptFunction))]
+  private static int AcceptCollider(IntPtr user, ColliderId collider) {
+    var query = GCHandle.FromIntPtr(user).Target as Query;
+    if (query == null || query.failure != null) return 0;
+    try {
+      return query.accept(collider) ? 1 : 0;
+    } catch (Exception thrown) {
+      query.failure = thrown;  // it must not pass through the library
+      return 0;
+    }
+  }
+}
+
+}  // namespace Tandem

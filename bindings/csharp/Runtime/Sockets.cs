@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+using System;
+using System.Collections.Generic;
+using System.Runtime.InteropServices;
+using System.Text;
+
+namespace Tandem {
+
+/// <summary>A session key, or an X25519 key of a peer: 32 bytes.</summary>
+public sealed unsafe class Key {
+  private NativeKey native;
+
+  public Key(byte[] bytes) {
+    if (bytes == null || bytes.Length != 32) {
+      throw new TandemException(Result.InvalidArgument,
+                                $"key must be 32 bytes, not {(bytes == null ? 0 : bytes.Length)}");
+    }
+    fixed (byte* into = native.Bytes) Marshal.Copy(bytes, 0, (IntPtr)into, 32);
+  }
+
+  private Key() {}
+
+  /// <summary>A new one, of the system's generator.</summary>
+  public static Key Make() {
+    var key = new Key();
+    NativeError error;
+    fixed (NativeKey* into = &key.native) {
+      Native.Check(Native.tandem_key_make(into, &error), ref error);
+    }
+    return key;
+  }
+
+  /// <summary>The key to give to the others.</summary>
+  public Key Public {
+    get {
+      var key = new Key();
+      NativeError error;
+      fixed (NativeKey* from = &native)
+      fixed (NativeKey* into = &key.native) {
+        Native.Check(Native.tandem_key_public(from, into, &error), ref error);
+      }
+      return key;
+    }
+  }
+
+  /// <summary>Of a public key: a peer's id that nobody without its secret can have.</summary>
+  public ulong Peer {
+    get {
+      fixed (NativeKey* key = &native) return Native.tandem_key_peer(key);
+    }
+  }
+
+  public byte[] ToBytes() {
+    var bytes = new byte[32];
+    fixed (byte* from = native.Bytes) Marshal.Copy((IntPtr)from, bytes, 0, 32);
+    return bytes;
+  }
+
+  internal NativeKey Value => native;
+}
+
+/// <summary>Who may take part where frames are protected.</summary>
+public sealed class Credentials {
+  /// <summary>The same of all members, not zero.</summary>
+  public Key SessionKey;
+  /// <summary>Secret of this peer; null: a new one.</summary>
+  public Key Identity;
+  /// <summary>Public keys of other peers; neither they nor an organiser: any member.</summary>
+  public readonly Dictionary<ulong, Key> Trusted = new Dictionary<ulong, Key>();
+  /// <summary>Public key of whose certificates let others in; null: none.</summary>
+  public Key Organiser;
+  /// <summary>Of this peer, where there is an organiser.</summary>
+  public byte[] Certificate;
+}
+
+/// <summary>What one process brings to a session over TCP.</summary>
+public sealed class TcpOptions {
+  public ulong Self;            // unique in the session, never 0
+  public ulong SceneHash;       // peers with another one are refused; 0
+  public int ListenPort;        // 0: a free one, see Session.Port; -1: it only dials; -1
+  public bool Insecure;         // no key and yet other addresses than loopback ones; false
+  public string ListenAddress;  // numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4
+  public string[] Connect;      // "HOST:PORT" of others; one is enough; null: none
+  public readonly Credentials Credentials = new Credentials();  // no session key: loopback only
+
+  public TcpOptions() {
+    Native.tandem_tcp_def_init(out var def);
+    ListenPort = def.ListenPort;
+  }
+
+  internal unsafe NativeTcpDef At(NativeMemory memory) {
+    Native.tandem_tcp_def_init(out var def);
+    def.Self = Self;
+    def.SceneHash = SceneHash;
+    def.ListenPort = ListenPort;
+    def.Insecure = Insecure ? 1 : 0;
+    def.ListenAddress = memory.Text(ListenAddress);
+    def.Connect = memory.Text(Connect == null ? null : string.Join(" ", Connect));
+    def.Credentials = memory.Of(Credentials);
+    return def;
+  }
+}
+
+/// <summary>Where session time comes from.</summary>
+public enum ClockSource {
+  Session = 0,  // agreed on in the session
+  System = 1,   // hosts are disciplined by PTP or NTP
+  None = 2      // each peer has its own; states are dated where they arrive
+}
+
+/// <summary>What one process brings to a session over UDP, which is encrypted always.</summary>
+public sealed class UdpOptions {
+  public ulong Self;         // unique in the session, never 0
+  public ulong SceneHash;    // peers with another one are refused; 0
+  public int Port;           // 0: a free one, see Session.Port; 0
+  public ClockSource Clock;  // Session
+  public string Address;     // numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4
+  public string[] Connect;   // "HOST:PORT" of others; one is enough; null: none
+  public readonly Credentials Credentials = new Credentials();  // with a session key
+  public double KbitPerS;    // budget of each link, headers counted; 256
+  public bool Relay;  // pass on for peers that do not reach each other, and be passed on; true
+
+  public UdpOptions() {
+    Native.tandem_udp_def_init(out var def);
+    Port = def.Port;
+    Clock = def.Clock;
+    KbitPerS = def.KbitPerS;
+    Relay = def.Relay != 0;
+  }
+
+  internal unsafe NativeUdpDef At(NativeMemory memory) {
+    Native.tandem_udp_def_init(out var def);
+    def.Self = Self;
+    def.SceneHash = SceneHash;
+    def.Port = Port;
+    def.Clock = Clock;
+    def.Address = memory.Text(Address);
+    def.Connect = memory.Text(Connect == null ? null : string.Join(" ", Connect));
+    def.Credentials = memory.Of(Credentials);
+    def.KbitPerS = KbitPerS;
+    def.Relay = Relay ? 1 : 0;
+    return def;
+  }
+}
+
+/// <summary>What the library reads during one call.</summary>
+internal sealed unsafe class NativeMemory : IDisposable {
+  private readonly List<IntPtr> blocks = new List<IntPtr>();
+
+  public void Dispose() {
+    foreach (var block in blocks) Marshal.FreeHGlobal(block);
+    blocks.Clear();
+  }
+
+  internal byte* Text(string text) => text == null ? null : Bytes(Native.Text(text));
+
+  internal NativeCredentials Of(Credentials from) {
+    var trusted = (NativeTrusted*)Block(from.Trusted.Count * sizeof(NativeTrusted));
+    var count = 0;
+    foreach (var pair in from.Trusted) {
+      trusted[count++] = new NativeTrusted {Peer = pair.Key, PublicKey = pair.Value.Value};
+    }
+    var certificate = from.Certificate;
+    return new NativeCredentials {
+        SessionKey = At(from.SessionKey),
+        Identity = At(from.Identity),
+        Trusted = trusted,
+        TrustedCount = (UIntPtr)count,
+        Organiser = At(from.Organiser),
+        Certificate = certificate == null ? null : Bytes(certificate),
+        CertificateSize = (UIntPtr)(certificate == null ? 0 : certificate.Length)};
+  }
+
+  private NativeKey* At(Key key) {
+    if (key == null) return null;
+    var at = (NativeKey*)Block(sizeof(NativeKey));
+    *at = key.Value;
+    return at;
+  }
+
+  private byte* Bytes(byte[] bytes) {
+    var at = Block(bytes.Length);
+    Marshal.Copy(bytes, 0, (IntPtr)at, bytes.Length);
+    return at;
+  }
+
+  private byte* Block(int size) {
+    if (size == 0) return null;
+    var block = Marshal.AllocHGlobal(size);
+    blocks.Add(block);
+    return (byte*)block;
+  }
+}
+
+}  // namespace Tandem
