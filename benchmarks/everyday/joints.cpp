@@ -4,6 +4,7 @@
 // E5: a joint that is violated when it is made closes gently, and leaves nothing behind.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "everyday/ground.h"
@@ -12,7 +13,7 @@
 namespace tandem::everyday {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
+constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kHopeless = 1e3;  // rad/s: what spins so is over, and its steps may take very long
 
 struct Arm {
@@ -36,7 +37,7 @@ void hinge(Tally& tally, const Arm& arm, double length) {
     def.frame_a.anchor = Vec3(-0.5 * length, 0.0, 0.0);
   }
   // x of the joint is z of the bodies.
-  def.frame_a.basis = Quat(Eigen::AngleAxisd(-M_PI / 2.0, Vec3::UnitY()));
+  def.frame_a.basis = Quat(Eigen::AngleAxisd(-std::numbers::pi / 2.0, Vec3::UnitY()));
   def.frame_b = {.anchor = Vec3(-0.5 * length, 0.0, 0.0), .basis = def.frame_a.basis};
   def.axis = {
       .freedom = pbd::Freedom::Limited, .lower = arm.lower * kDegree, .upper = arm.upper * kDegree};

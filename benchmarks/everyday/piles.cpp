@@ -3,13 +3,14 @@
 #include "everyday/piles.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "tandem/pbd/math.h"
 
 namespace tandem::everyday {
 
 std::vector<Pose> house_of_cards() {
-  const double lean = 25.0 * M_PI / 180.0;
+  const double lean = 25.0 * std::numbers::pi / 180.0;
   const auto turned = [](double angle) { return pbd::exp_map(Vec3(0.0, angle, 0.0)); };
   std::vector<Pose> cards;
   double from = 0.0;
@@ -19,7 +20,7 @@ std::vector<Pose> house_of_cards() {
     for (int i = 0; i < storey; ++i) {
       if (i + 1 < storey) {
         cards.push_back({.position = Vec3(x + 0.25, 0.0, z + kCardHalf.z() - 0.015),
-                         .orientation = turned(M_PI / 2.0)});
+                         .orientation = turned(std::numbers::pi / 2.0)});
       }
       cards.push_back({.position = Vec3(x, 0.0, z), .orientation = turned(lean)});
       cards.push_back({.position = Vec3(x + 0.175, 0.0, z), .orientation = turned(-lean)});

@@ -4,6 +4,7 @@
 // E2, E3: a hull that is dropped comes to rest, be its corners random or those of a scan.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "everyday/any_world.h"
@@ -49,7 +50,7 @@ Points bumpy_cube(pbd::SplitMix64& random, double size, double bump) {
 Points scanned_tin(pbd::SplitMix64& random, double size, double error) {
   Points points;
   for (int i = 0; i < 24; ++i) {
-    const double turn = 2.0 * M_PI * i / 24.0;
+    const double turn = 2.0 * std::numbers::pi * i / 24.0;
     for (const double z : {-0.5, 0.5}) {
       points.push_back(size * Vec3(0.35 * std::cos(turn), 0.35 * std::sin(turn), z) +
                        error * in_ball(random));

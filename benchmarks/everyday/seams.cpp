@@ -4,6 +4,7 @@
 // E1: what slides or rolls over the flush seam of two bodies goes on as on one.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "everyday/any_world.h"
@@ -35,7 +36,7 @@ std::vector<Vec3> box_corners(const Vec3& half) {
 
 std::vector<Mover> movers() {
   const Vec3 half = Vec3::Constant(kSize);
-  const Quat lying(Eigen::AngleAxisd(M_PI / 2.0, Vec3::UnitX()));
+  const Quat lying(Eigen::AngleAxisd(std::numbers::pi / 2.0, Vec3::UnitX()));
   const Vec3 slim(kSize, 0.5 * kSize, kSize);
   return {
       {"sphere slides", false, false, {{.shape = Sphere{kSize}}}},

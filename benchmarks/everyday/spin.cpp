@@ -4,6 +4,7 @@
 // E4: what is long and thin and spins fast gains no energy, and precesses as it ought to.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "everyday/any_world.h"
@@ -25,7 +26,7 @@ collision::Shape shape_of(const Rod& rod) {
   return Cylinder{rod.radius, 0.5 * rod.length};
 }
 
-const Quat kAlongX(Eigen::AngleAxisd(M_PI / 2.0, Vec3::UnitY()));
+const Quat kAlongX(Eigen::AngleAxisd(std::numbers::pi / 2.0, Vec3::UnitY()));
 
 struct Motion {
   double most_kinetic = 0.0;  ///< J
@@ -100,7 +101,7 @@ void thrown(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground g
       extent == Extent::Full ? std::vector{10.0, 40.0, 80.0, 150.0} : std::vector{40.0};
   for (const double spin : spins) {
     for (const double phase : phases_of(extent, 60)) {
-      const double turn = 2.0 * M_PI * phase;
+      const double turn = 2.0 * std::numbers::pi * phase;
       const Pose pose{
           .position = Vec3(0.0, 0.0, 1.0 + 0.05 * phase),
           .orientation = Quat(Eigen::AngleAxisd(turn, Vec3(0.3, 1.0, 0.2).normalized())) * kAlongX};

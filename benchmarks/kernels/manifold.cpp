@@ -5,6 +5,7 @@
 // pair_time is that of one pair, broad phase included.
 #include <benchmark/benchmark.h>
 
+#include <numbers>
 #include <vector>
 
 #include "tandem/collision/contact_source.h"
@@ -72,7 +73,7 @@ void collect(benchmark::State& state, const Shape& lower, const Shape& upper, co
 const collision::Box kCube{Vec3::Constant(0.5)};
 const collision::Sphere kBall{0.5};
 const collision::Capsule kCapsule{0.25, 0.5};
-const Vec3 kLying(0.0, M_PI / 2.0, 0.0);
+const Vec3 kLying(0.0, std::numbers::pi / 2.0, 0.0);
 
 }  // namespace
 
@@ -81,7 +82,8 @@ BENCHMARK_CAPTURE(collect, box_ball, kCube, kBall, at(0.999));
 BENCHMARK_CAPTURE(collect, box_capsule_lying, kCube, kCapsule, at(0.749, kLying));
 BENCHMARK_CAPTURE(collect, capsule_capsule_crossed, kCapsule, kCapsule, at(0.999, kLying));
 BENCHMARK_CAPTURE(collect, box_box_face, kCube, kCube, at(0.999, Vec3(0.0, 0.0, 0.3)));
-BENCHMARK_CAPTURE(collect, box_box_edge, kCube, kCube, at(1.206, Vec3(M_PI / 4.0, 0.0, 0.2)));
+BENCHMARK_CAPTURE(collect, box_box_edge, kCube, kCube,
+                  at(1.206, Vec3(std::numbers::pi / 4.0, 0.0, 0.2)));
 BENCHMARK_CAPTURE(collect, mesh_ball, flat_mesh(), kBall, at(0.499));
 BENCHMARK_CAPTURE(collect, mesh_capsule_lying, flat_mesh(), kCapsule, at(0.249, kLying));
 BENCHMARK_CAPTURE(collect, mesh_box_face, flat_mesh(), kCube, at(0.499));

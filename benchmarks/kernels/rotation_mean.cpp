@@ -6,6 +6,7 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "tandem/consensus/aggregate.h"
@@ -18,7 +19,7 @@ using pbd::Vec3;
 
 void fuse(benchmark::State& state) {
   const auto peers = static_cast<std::size_t>(state.range(0));
-  const double spread = static_cast<double>(state.range(1)) * M_PI / 180.0;
+  const double spread = static_cast<double>(state.range(1)) * std::numbers::pi / 180.0;
   std::vector<consensus::PeerEstimate> estimates(peers);
   for (std::size_t i = 0; i < peers; ++i) {
     const double t = static_cast<double>(i + 1);

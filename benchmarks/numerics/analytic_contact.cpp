@@ -3,6 +3,7 @@
 //
 // Contacts against closed forms: incline, rolling, bouncing, Newton's cradle.
 #include <algorithm>
+#include <numbers>
 
 #include "numerics/case.h"
 #include "numerics/track.h"
@@ -115,7 +116,7 @@ struct Cradle {
   double radius = 0.1;  // m
   double rod = 1.0;     // m
   double gap = 0.0;     // m, between neighbours
-  double angle = M_PI / 6.0;
+  double angle = std::numbers::pi / 6.0;
   int lifted = 1;
   double seconds = 0.9;  // down in a quarter of a period and up again, nearly to the top
 };
@@ -207,7 +208,7 @@ std::vector<Case> analytic_contact_cases() {
                      cradle(s, {.radius = 0.05,
                                 .rod = 0.5,
                                 .gap = 1e-4,
-                                .angle = M_PI / 3.0,
+                                .angle = std::numbers::pi / 3.0,
                                 .lifted = 2,
                                 .seconds = 0.7});
                    }});

@@ -3,6 +3,7 @@
 //
 // Joints against closed forms: pendulum, spring, hanging rope.
 #include <algorithm>
+#include <numbers>
 
 #include "numerics/case.h"
 #include "numerics/track.h"
@@ -13,7 +14,7 @@ namespace {
 /// A rod of 1 m, hung up at its end.
 void pendulum(Sheet& sheet, double degrees) {
   Scene scene;
-  const double angle = degrees * M_PI / 180.0;
+  const double angle = degrees * std::numbers::pi / 180.0;
   const double length = 0.5;  // m, from the nail to the centre
   const Quat q = pbd::exp_map(Vec3(0.0, -angle, 0.0));
   const int bob = scene.add(BoxShape{Vec3(0.02, 0.02, length)}, 1.0,
@@ -76,7 +77,7 @@ void spring_scaled(Sheet& sheet) {
   const double dt = Scene{}.dt;
   for (int e = 0; e <= 8; ++e) {
     const double stiffness = std::pow(10.0, e);
-    const double expected = 2.0 * M_PI / 10.0;
+    const double expected = 2.0 * std::numbers::pi / 10.0;
     const SpringRun run = run_spring(sheet, stiffness, stiffness / 100.0, 0.1);
     sheet.relative("period, s, 1e" + std::to_string(e) + " N/m",
                    period_of(run.stretch, dt, expected), expected, 0.01, "2 pi sqrt(m/k)");
@@ -89,7 +90,7 @@ void spring_stiff(Sheet& sheet) {
   const double amplitude = 0.1;
   for (int e = 0; e <= 12; ++e) {
     const double stiffness = std::pow(10.0, e);
-    const double expected = 2.0 * M_PI / std::sqrt(stiffness);
+    const double expected = 2.0 * std::numbers::pi / std::sqrt(stiffness);
     const SpringRun run = run_spring(sheet, stiffness, 1.0, amplitude);
     const std::string which = ", 1e" + std::to_string(e) + " N/m";
     if (expected > 40.0 * dt / run.substeps && expected > 2.0 * dt) {
@@ -124,7 +125,7 @@ void rope(Sheet& sheet) {
   constexpr double kSpan = 4.0;
   // Angle of one chord such that kLinks of them span kSpan: sin(n a / 2) / sin(a / 2) = span / len.
   double low = 1e-9;
-  double high = 2.0 * M_PI / kLinks;
+  double high = 2.0 * std::numbers::pi / kLinks;
   for (int i = 0; i < 200; ++i) {
     const double a = 0.5 * (low + high);
     (std::sin(0.5 * kLinks * a) / std::sin(0.5 * a) > kSpan / kLength ? low : high) = a;

@@ -3,6 +3,7 @@
 //
 // Hinges, sliders, limits and motors: a slider-crank, and a motor that drives against a stop.
 #include <algorithm>
+#include <numbers>
 
 #include "numerics/case.h"
 #include "numerics/track.h"
@@ -42,7 +43,7 @@ void slider_crank(Sheet& sheet) {
   SceneJoint& motor = scene.add_joint(JointKind::Hinge, -1, crank, Vec3::Zero());
   motor.axis_w = -Vec3::UnitY();
   motor.driven = true;
-  motor.speed = 2.0 * M_PI;
+  motor.speed = 2.0 * std::numbers::pi;
   scene.add_joint(JointKind::Hinge, crank, rod, pin).axis_w = -Vec3::UnitY();
   scene.add_joint(JointKind::Hinge, rod, block, end).axis_w = -Vec3::UnitY();
   scene.add_joint(JointKind::Slider, -1, block, end).axis_w = Vec3::UnitX();
@@ -54,7 +55,7 @@ void slider_crank(Sheet& sheet) {
   double last = kStart;
   run_scene(scene, *engine, [&](double) {
     const double angle = angle_of(*engine, crank);
-    turned += std::abs(std::remainder(angle - last, 2.0 * M_PI));
+    turned += std::abs(std::remainder(angle - last, 2.0 * std::numbers::pi));
     last = angle;
     const Vec3 p = engine->state(block).pose.position;
     const double sine = kCrank * std::sin(angle);
@@ -67,7 +68,7 @@ void slider_crank(Sheet& sheet) {
   sheet.at_most("block against the crank's angle", closure, 1e-6, "m", "closed form");
   sheet.at_most("hinges apart", separation, 1e-6, "m", "joints hold");
   sheet.at_most("block off its line", off_axis, 1e-6, "m", "joints hold");
-  sheet.relative("turns in 10 s", turned / (2.0 * M_PI), 10.0, 0.01, "motor");
+  sheet.relative("turns in 10 s", turned / (2.0 * std::numbers::pi), 10.0, 0.01, "motor");
 }
 
 /// An arm of 1 m, driven at 10 rad/s with unlimited torque against a stop at 0.5 rad.

@@ -5,6 +5,7 @@
 // side gaps, or have the heavy above the light.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -93,7 +94,7 @@ void bars(Sheet& sheet) {
       const double off = side * (kLong - 2.0 * kThin);
       pile.add(Vec3(kLong, kThin, kThin), 1000.0,
                Vec3(along_x ? 0.0 : off, along_x ? off : 0.0, (2.1 * i + 0.5) * kThin),
-               Vec3(0.0, 0.0, along_x ? 0.0 : M_PI / 2.0));
+               Vec3(0.0, 0.0, along_x ? 0.0 : std::numbers::pi / 2.0));
     }
   }
   check(sheet, pile, 2.0 * kThin, 0.05, 10);
@@ -129,7 +130,7 @@ void heavy_on_light(Sheet& sheet) {
 /// Five storeys of leaning cards, 1 cm thick, with others across them; all overlap by 3 mm.
 void cards(Sheet& sheet) {
   const Vec3 half(0.005, 0.1, 0.2);
-  const double lean = 25.0 * M_PI / 180.0;
+  const double lean = 25.0 * std::numbers::pi / 180.0;
   Pile pile;
   double from = 0.0;
   double z = half.z() - 0.02;
@@ -138,7 +139,7 @@ void cards(Sheet& sheet) {
     for (int i = 0; i < storey; ++i) {
       if (i + 1 < storey) {
         pile.add(half, 1000.0, Vec3(x + 0.25, 0.0, z + half.z() - 0.015),
-                 Vec3(0.0, M_PI / 2.0, 0.0));
+                 Vec3(0.0, std::numbers::pi / 2.0, 0.0));
       }
       pile.add(half, 1000.0, Vec3(x, 0.0, z), Vec3(0.0, lean, 0.0));
       pile.add(half, 1000.0, Vec3(x + 0.175, 0.0, z), Vec3(0.0, -lean, 0.0));

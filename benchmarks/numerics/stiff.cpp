@@ -3,6 +3,7 @@
 //
 // Scenes that ask much of a solver: mass ratios, long chains, high stacks, contradictions.
 #include <algorithm>
+#include <numbers>
 
 #include "numerics/case.h"
 #include "numerics/track.h"
@@ -23,7 +24,7 @@ struct Chain {
 Scene chain_scene(const Chain& chain) {
   constexpr double kRadius = 0.05;
   Scene scene;
-  const Quat q = pbd::exp_map(Vec3(0.0, 0.5 * M_PI - chain.angle, 0.0));
+  const Quat q = pbd::exp_map(Vec3(0.0, 0.5 * std::numbers::pi - chain.angle, 0.0));
   const Vec3 along = q * Vec3::UnitX();
   for (int i = 0; i < chain.links; ++i) {
     const int link = scene.add(BoxShape{Vec3(0.5 * kLink, 0.025, 0.025)}, 1.0,
@@ -132,8 +133,8 @@ std::vector<Case> stiff_cases() {
     cases.push_back({family, "chain of " + std::to_string(chain.links) + ", " + name,
                      [=](Sheet& s) { run_chain(s, chain); }});
   };
-  constexpr double kSwing = M_PI / 3.0;
-  constexpr double kDrop = M_PI / 2.0;
+  constexpr double kSwing = std::numbers::pi / 3.0;
+  constexpr double kDrop = std::numbers::pi / 2.0;
   for (const int links : {20, 50}) {
     for (const char* const mass : {"1", "100", "1000", "1e5"}) {
       add_chain(std::string("end ") + mass + " links", {links, std::stod(mass), kSwing});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "measure/quality.h"
@@ -71,7 +72,7 @@ inline double elliptic_k(double k) {
     b = std::sqrt(a * b);
     a = mean;
   }
-  return M_PI / (2.0 * a);
+  return std::numbers::pi / (2.0 * a);
 }
 
 /// Period (s) of a symmetric signal about 0 sampled each dt: twice the time between its crossings,
@@ -103,7 +104,7 @@ inline double sinusoid_period(const std::vector<double>& x, double dt) {
   const double d = (s11 * r2 - s12 * r1) / determinant;
   const double cosine = 0.5 * c / std::sqrt(d);
   if (!(std::abs(cosine) < 1.0)) return 0.0;
-  return 2.0 * M_PI * dt / std::acos(cosine);
+  return 2.0 * std::numbers::pi * dt / std::acos(cosine);
 }
 
 /// Largest horizontal distance (m) of body `i` from where it started.

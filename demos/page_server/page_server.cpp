@@ -18,6 +18,14 @@ namespace asio = boost::asio;
 using Tcp = asio::ip::tcp;
 using Error = boost::system::error_code;
 
+// A program that starts again gets its port; on Windows without that, and "reuse" would share it
+// with others.
+#ifdef _WIN32
+using OwnPort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
+#else
+using OwnPort = asio::socket_base::reuse_address;
+#endif
+
 constexpr std::chrono::milliseconds kAcceptAgain{100};
 
 bool is_token(std::string_view text) {
@@ -47,7 +55,7 @@ PageServer::PageServer(Options options, Site& site) : options_(std::move(options
   if (error) pbd::detail::refuse("address", "numeric", options_.address);
   const Tcp::endpoint endpoint(address_, options_.port);
   acceptor_.open(endpoint.protocol(), error);
-  if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) acceptor_.set_option(OwnPort(true), error);
   if (!error) acceptor_.bind(endpoint, error);
   if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
   if (error) {

@@ -16,6 +16,14 @@ namespace {
 // After accept() has failed, as for want of descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
+// A restarted peer must get its port although connections of its predecessor linger. On Windows it
+// does, and "reuse" would let any other program take the port away.
+#ifdef _WIN32
+using OwnPort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
+#else
+using OwnPort = asio::socket_base::reuse_address;
+#endif
+
 }  // namespace
 
 TcpListener::TcpListener(asio::io_context& context, const TcpOptions& options, TcpReport& report,
@@ -29,8 +37,7 @@ void TcpListener::listen(const TcpOptions& options) {
   const asio::ip::address address = asio::ip::make_address(options.listen_address, error);
   const asio::ip::tcp::endpoint endpoint(address, *options.listen_port);
   if (!error) acceptor_.open(endpoint.protocol(), error);
-  // A restarted peer must get its port although connections of its predecessor linger.
-  if (!error) acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) acceptor_.set_option(OwnPort(true), error);
   if (!error && address.is_v6()) acceptor_.set_option(asio::ip::v6_only(false), error);
   if (!error) acceptor_.bind(endpoint, error);
   if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);

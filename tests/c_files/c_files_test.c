@@ -175,7 +175,7 @@ static void a_wrong_file_names_its_fault(void) {
   CHECK(error.result == TANDEM_INVALID_ARGUMENT);
   CHECK(strncmp(error.text, "c_files_test.json: /bodies/0/shape", 34) == 0);
   CHECK(strstr(error.text, "radius must be > 0") != NULL && strstr(error.text, "is -1") != NULL);
-  CHECK(remove(path) == 0);
+  CHECK(remove("c_files_test.json") == 0); /* paths of Windows have 260 characters at most */
   CHECK(tandem_scene_load("there_is_none.json", &def, NULL, &error) == NULL);
   CHECK(error.result == TANDEM_INVALID_ARGUMENT &&
         strstr(error.text, "there_is_none.json") != NULL);

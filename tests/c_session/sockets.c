@@ -6,13 +6,25 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#ifdef _WIN32
+#include <windows.h>
+#else
 #include <threads.h>
 #include <time.h>
+#endif
 
 #include "members.h"
 #include "tandem/c/tandem.h"
 
 enum { kMembers = 2 };
+
+static void sleep_1_ms(void) {
+#ifdef _WIN32
+  Sleep(1);
+#else
+  thrd_sleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+#endif
+}
 
 typedef struct members {
   room rooms[kMembers];
@@ -34,7 +46,7 @@ static void run(members* m, double seconds, int until_joined) {
       }
     }
     if (until_joined && m->joined[0] > 0 && m->joined[1] > 0) return;
-    thrd_sleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    sleep_1_ms();
   }
 }
 

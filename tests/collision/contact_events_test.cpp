@@ -3,6 +3,7 @@
 #include "tandem/collision/contact_events.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "allocation_count.h"
 #include "fixture.h"
@@ -65,7 +66,7 @@ TEST_CASE("contact_events: what comes to rest begins once and stays", "[collisio
   s.add(Box{Vec3::Constant(0.5)}, at(0.1, 0.2, 0.6));
   s.add(Box{Vec3::Constant(0.5)}, at(0.12, 0.2, 1.7));
   s.add(Sphere{0.3}, at(2.1, 0.2, 0.4));
-  s.add(Capsule{0.3, 0.4}, at(Vec3(-2, 0, 0.4), Vec3(0, M_PI / 2, 0)));
+  s.add(Capsule{0.3, 0.4}, at(Vec3(-2, 0, 0.4), Vec3(0, std::numbers::pi / 2, 0)));
   s.step(600);
   CHECK(s.begun == 4);
   CHECK(s.ended == 0);

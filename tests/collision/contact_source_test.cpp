@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numbers>
 #include <set>
 #include <utility>
 
@@ -195,7 +196,8 @@ TEST_CASE("contact_source: a half-space that is moved meets bodies that are not"
   f.world.set_pose(floor, at(0, 0, 2.49));
   REQUIRE(f.collect().size() == 1);
   CHECK(f.gap(f.manifolds[0], 0) == Approx(0.01));
-  f.world.set_pose(floor, at(Vec3::Zero(), Vec3(0, M_PI / 2, 0)));  // now a wall facing +x
+  f.world.set_pose(floor,
+                   at(Vec3::Zero(), Vec3(0, std::numbers::pi / 2, 0)));  // now a wall facing +x
   REQUIRE(f.collect().size() == 1);
   CHECK((f.manifolds[0].normal + Vec3::UnitX()).norm() < 1e-9);
 }
@@ -204,7 +206,7 @@ TEST_CASE("contact_source: parts of a body are placed by their local poses", "[c
   Fixture f;
   f.fixed(HalfSpace{});
   ColliderDef def;
-  def.body = f.body(at(Vec3(1, 2, 3), Vec3(0, 0, M_PI / 2)));
+  def.body = f.body(at(Vec3(1, 2, 3), Vec3(0, 0, std::numbers::pi / 2)));
   def.shape = Sphere{0.5};
   def.local = at(1, 0, -2.51);
   f.scene.add(f.world, def);

@@ -4,6 +4,7 @@
 // Cylinders, cones, hulls and height fields: depth against brute force, rest, rolling.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fixture.h"
 #include "tandem/collision/compound.h"
@@ -433,7 +434,7 @@ TEST_CASE("convex: at rest on every ground nothing drifts", "[collision][soak]")
   const std::vector<Rest> rests{
       {"box", Box{Vec3(0.3, 0.4, 0.25)}, 0.25, Vec3::Zero()},
       {"cylinder standing", Cylinder{0.3, 0.4}, 0.4, Vec3::Zero()},
-      {"cylinder lying", Cylinder{0.3, 0.4}, 0.3, Vec3(0, M_PI / 2, 0)},
+      {"cylinder lying", Cylinder{0.3, 0.4}, 0.3, Vec3(0, std::numbers::pi / 2, 0)},
       {"cone", Cone{0.4, 0.5}, 0.5, Vec3::Zero()},
       {"hull", box_hull(Vec3(0.3, 0.4, 0.25)), 0.25, Vec3::Zero()},
   };
@@ -470,7 +471,8 @@ TEST_CASE("convex: a cylinder rolls on its side without bumping", "[collision][a
     Fixture f;
     f.fixed(on_box ? Shape(Box{Vec3(20, 4, 0.5)}) : Shape(HalfSpace{}),
             at(0, 0, on_box ? -0.5 : 0.0));
-    const BodyId id = dynamic(f, Cylinder{0.3, 0.4}, at(Vec3(-5, 0, 0.3), Vec3(M_PI / 2, 0, 0)));
+    const BodyId id =
+        dynamic(f, Cylinder{0.3, 0.4}, at(Vec3(-5, 0, 0.3), Vec3(std::numbers::pi / 2, 0, 0)));
     // Rolling without slip about y.
     f.world.set_twist(id, {Vec3(3, 0, 0), Vec3(0, 10, 0)});
     f.world.set_contact_source(&f.scene);

@@ -4,6 +4,7 @@
 // The engine with real shapes: solver and collision together.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <utility>
 #include <vector>
@@ -95,7 +96,7 @@ TEST_CASE("engine: stacks on a plate come to rest in whatever order they were ad
 
 TEST_CASE("engine: a box on a slope slides as Coulomb has it, or stays", "[collision][analytic]") {
   const double mu = GENERATE(0.2, 0.35, 0.38);
-  const double angle = 20.0 * M_PI / 180.0;
+  const double angle = 20.0 * std::numbers::pi / 180.0;
   Fixture f;
   f.world.set_gravity({kGravity * std::sin(angle), 0.0, -kGravity * std::cos(angle)});
   ground(f, mu);
@@ -189,7 +190,7 @@ class Nudge final : public pbd::TargetSource {
 
 TEST_CASE("engine: vanishing shares leave a sliding box and a stack as they are",
           "[collision][analytic]") {
-  const double angle = 20.0 * M_PI / 180.0;
+  const double angle = 20.0 * std::numbers::pi / 180.0;
   const auto run = [angle](double share) {
     Fixture f;
     f.world.set_gravity({kGravity * std::sin(angle), 0.0, -kGravity * std::cos(angle)});

@@ -4,6 +4,7 @@
 // Hulls of random and of scanned points come to rest on every ground: they do not merely look so.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fixture.h"
 #include "tandem/pbd/solver.h"
@@ -39,7 +40,7 @@ std::vector<Vec3> scanned_box(Random& random, const Vec3& edges, double noise) {
 std::vector<Vec3> scanned_tin(Random& random, double radius, double height, double noise) {
   std::vector<Vec3> points;
   for (int i = 0; i < 48; ++i) {
-    const double angle = M_PI * (i % 24) / 12;
+    const double angle = std::numbers::pi * (i % 24) / 12;
     points.push_back(Vec3(radius * std::cos(angle), radius * std::sin(angle),
                           i < 24 ? -0.5 * height : 0.5 * height) +
                      random.vec(noise));

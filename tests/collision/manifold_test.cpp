@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include <numbers>
+
 #include "fixture.h"
 
 namespace manifold_test {
@@ -121,8 +123,9 @@ TEST_CASE("manifold: crossing edges of two boxes touch at one point", "[collisio
   // Both stand on an edge; the upper one is turned by a right angle about z.
   const double r = std::sqrt(0.5);
   Fixture f;
-  f.add(Box{Vec3(0.5, 0.5, 0.5)}, at(Vec3::Zero(), Vec3(M_PI / 4, 0, 0)));
-  f.add(Box{Vec3(0.5, 0.5, 0.5)}, at(Vec3(0.1, 0.05, 2 * r - 0.01), Vec3(0, M_PI / 4, 0)));
+  f.add(Box{Vec3(0.5, 0.5, 0.5)}, at(Vec3::Zero(), Vec3(std::numbers::pi / 4, 0, 0)));
+  f.add(Box{Vec3(0.5, 0.5, 0.5)},
+        at(Vec3(0.1, 0.05, 2 * r - 0.01), Vec3(0, std::numbers::pi / 4, 0)));
   f.collect();
   const Manifold& m = only(f);
   REQUIRE(m.count == 1);
@@ -142,8 +145,9 @@ TEST_CASE(
     INFO("tilt " << tilt);
     Fixture f;
     f.add(Box{half}, at(Vec3::Zero(), Vec3(0, tilt, 0)));
-    f.add(Box{half}, {Vec3(0, 0, 0.199), tandem::pbd::exp_map(Vec3(tilt, 0, 0)) *
-                                             tandem::pbd::exp_map(Vec3(0, 0, M_PI / 2))});
+    f.add(Box{half},
+          {Vec3(0, 0, 0.199), tandem::pbd::exp_map(Vec3(tilt, 0, 0)) *
+                                  tandem::pbd::exp_map(Vec3(0, 0, std::numbers::pi / 2))});
     f.collect();
     const Manifold& m = only(f);
     CHECK(m.count == 4);
@@ -160,7 +164,7 @@ TEST_CASE(
 TEST_CASE("manifold: a lying capsule has two points, a standing one hangs on one",
           "[collision][analytic]") {
   const Capsule capsule{0.2, 0.6};
-  const Vec3 lying(0, M_PI / 2, 0);
+  const Vec3 lying(0, std::numbers::pi / 2, 0);
   for (const bool on_box : {false, true}) {
     Fixture f;
     f.add(capsule, at(Vec3(0, 0.1, 0.195), lying));
@@ -191,7 +195,7 @@ TEST_CASE("manifold: a lying capsule has two points, a standing one hangs on one
 TEST_CASE("manifold: a capsule that hangs over the edge of a box stands on what is over it",
           "[collision][analytic]") {
   Fixture f;
-  f.add(Capsule{0.2, 0.6}, at(Vec3(1.0, 0, 0.19), Vec3(0, M_PI / 2, 0)));
+  f.add(Capsule{0.2, 0.6}, at(Vec3(1.0, 0, 0.19), Vec3(0, std::numbers::pi / 2, 0)));
   f.fixed(Box{Vec3(1, 1, 1)}, at(0, 0, -1));
   f.collect();
   const Manifold& m = only(f);
@@ -216,7 +220,7 @@ TEST_CASE("manifold: capsules side by side have two points, crossed ones have on
 
   Fixture g;
   g.add(Capsule{0.2, 0.6}, at(0, 0, 0));
-  g.add(Capsule{0.3, 0.6}, at(Vec3(0.49, 0.1, 0.4), Vec3(M_PI / 2, 0, 0)));
+  g.add(Capsule{0.3, 0.6}, at(Vec3(0.49, 0.1, 0.4), Vec3(std::numbers::pi / 2, 0, 0)));
   g.collect();
   const Manifold& crossed = only(g);
   REQUIRE(crossed.count == 1);
@@ -289,7 +293,8 @@ TEST_CASE("manifold: parts in one place still get a finite unit normal", "[colli
   const std::vector<Shape> shapes{Sphere{0.4}, Capsule{0.3, 0.5}, Box{Vec3(0.4, 0.5, 0.6)}};
   for (const Shape& a : shapes) {
     for (const Shape& b : shapes) {
-      for (const Vec3& turn : {Vec3(0, 0, 0), Vec3(0, M_PI / 2, 0), Vec3(0.3, 0.2, 0.1)}) {
+      for (const Vec3& turn :
+           {Vec3(0, 0, 0), Vec3(0, std::numbers::pi / 2, 0), Vec3(0.3, 0.2, 0.1)}) {
         Fixture f;
         f.add(a, at(Vec3(1, 1, 1), Vec3::Zero()));
         f.add(b, at(Vec3(1, 1, 1), turn));

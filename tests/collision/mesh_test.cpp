@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 #include <algorithm>
+#include <numbers>
 
 #include "fixture.h"
 #include "tandem/pbd/solver.h"
@@ -45,9 +46,10 @@ struct Slide {
 };
 
 const std::vector<Slide>& slides() {
-  static const std::vector<Slide> kSlides{{Sphere{0.3}, 0.3, 1, Vec3::Zero()},
-                                          {Box{Vec3(0.4, 0.3, 0.2)}, 0.2, 4, Vec3::Zero()},
-                                          {Capsule{0.2, 0.5}, 0.2, 2, Vec3(0, M_PI / 2, 0)}};
+  static const std::vector<Slide> kSlides{
+      {Sphere{0.3}, 0.3, 1, Vec3::Zero()},
+      {Box{Vec3(0.4, 0.3, 0.2)}, 0.2, 4, Vec3::Zero()},
+      {Capsule{0.2, 0.5}, 0.2, 2, Vec3(0, std::numbers::pi / 2, 0)}};
   return kSlides;
 }
 

@@ -33,7 +33,13 @@ constexpr double kRate = 2.0 * 60.0 * 289.0;
 constexpr double kAtOnce = 4.0 * 289.0;
 
 /// Bytes that are in use; 0 where malloc is not glibc's.
-std::size_t in_use() { return ::mallinfo2().uordblks + ::mallinfo2().hblkhd; }
+std::size_t in_use() {
+#ifdef __GLIBC__
+  return ::mallinfo2().uordblks + ::mallinfo2().hblkhd;
+#else
+  return 0;
+#endif
+}
 
 /// A peer whose transport the test feeds.
 struct Target {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#ifndef _WIN32
 #include <ifaddrs.h>
+#endif
 
 #include <array>
 #include <chrono>
@@ -8,9 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "support/web_client.h"
 #include "support/catch.h"
 #include "support/hostile_requests.h"
+#include "support/web_client.h"
 #include "view/server.h"
 #include "view_frames.h"
 
@@ -101,6 +103,7 @@ TEST_CASE("view server: a program that ends says so to its pages", "[demos][view
 TEST_CASE("view server: it is at its address alone", "[demos][view][socket]") {
   Fixture f;
   CHECK_THROWS(WebClient("127.0.0.2", f.server.port()));
+#ifndef _WIN32
   ifaddrs* all = nullptr;
   REQUIRE(getifaddrs(&all) == 0);
   for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
@@ -113,6 +116,7 @@ TEST_CASE("view server: it is at its address alone", "[demos][view][socket]") {
     CHECK_THROWS(WebClient(text, f.server.port()));
   }
   freeifaddrs(all);
+#endif
   CHECK_THROWS_AS(Server({.address = "localhost"}, layout_of(1), kAssets), std::invalid_argument);
   CHECK_THROWS_AS(Server({.port = f.server.port()}, layout_of(1), kAssets), std::runtime_error);
 }

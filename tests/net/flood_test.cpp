@@ -29,7 +29,13 @@ using tandem::consensus::PeerId;
 namespace {
 
 /// Bytes that are in use; 0 where malloc is not glibc's.
-std::size_t in_use() { return ::mallinfo2().uordblks + ::mallinfo2().hblkhd; }
+std::size_t in_use() {
+#ifdef __GLIBC__
+  return ::mallinfo2().uordblks + ::mallinfo2().hblkhd;
+#else
+  return 0;
+#endif
+}
 
 /// One of `count` hosts that are nobody's of the session.
 Address stranger(std::uint64_t number) {

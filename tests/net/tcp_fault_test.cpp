@@ -155,12 +155,12 @@ TEST_CASE("tcp: who opens many connections and goes on with none pushes out his 
     for (std::size_t i = 0; i < count; ++i) mute.push_back(raw::Socket::connect(a.local_port()));
   };
   open(16);
-  raw::Socket far = raw::Socket::connect(a.local_port(), 0, INADDR_LOOPBACK + 0x100);
+  raw::Socket away = raw::Socket::connect(a.local_port(), 0, INADDR_LOOPBACK + 0x100);
   REQUIRE(eventually([&] { return a.strangers().accepted == 17; }));
   open(100);
   REQUIRE(eventually([&] { return a.strangers().accepted == 117; }));
   // His first word comes late.
-  raw::join(far, {.peer = 2});
+  raw::join(away, {.peer = 2});
   CHECK(eventually([&] { return connected(a, 2); }));
 }
 

@@ -7,6 +7,8 @@
 // them by far.
 #include "peers/engines.h"
 
+#include <numbers>
+
 #include "numerics/case.h"
 #include "numerics/track.h"
 #include "support/catch.h"
@@ -110,7 +112,7 @@ TEST_CASE("engines: a ball rolls with the inertia that it was given", "[numerics
 
 TEST_CASE("engines: each shape rests as high as it is thick", "[numerics][engines]") {
   for_each_engine([](const MakeEngine& make) {
-    const Quat lying = tandem::pbd::exp_map(Vec3(0.0, 0.5 * M_PI, 0.0));
+    const Quat lying = tandem::pbd::exp_map(Vec3(0.0, 0.5 * std::numbers::pi, 0.0));
     for (const bool mesh : {false, true}) {
       INFO((mesh ? "on a mesh" : "on a box"));
       Scene scene;
@@ -167,7 +169,8 @@ TEST_CASE("engines: a rod on a ball joint swings with its period", "[numerics][e
     run_scene(scene, *engine, [&](double) { x.push_back(engine->state(rod).pose.position.x()); });
     const double about_joint = scene.bodies[0].inertia.y() + 3.0 * kHalf * kHalf;
     CHECK(crossing_period(x, scene.dt) ==
-          Approx(2.0 * M_PI * std::sqrt(about_joint / (3.0 * kGravity * kHalf))).epsilon(0.01));
+          Approx(2.0 * std::numbers::pi * std::sqrt(about_joint / (3.0 * kGravity * kHalf)))
+              .epsilon(0.01));
     CHECK(joint_separation(scene, *engine) < 0.01);
   });
 }

@@ -3,6 +3,8 @@
 //
 // What the benchmarks measure with is right itself.
 
+#include <numbers>
+
 #include "measure/geometry.h"
 #include "measure/quality.h"
 #include "numerics/track.h"
@@ -53,11 +55,11 @@ TEST_CASE("measure: two crossed edges overlap along the axis across both", "[mea
   // Cubes turned by 45 degrees about x and about y: edges along x and y face each other along z.
   const Vec3 half = Vec3::Constant(0.5);
   const Pose a{.position = Vec3::Zero(),
-               .orientation = tandem::pbd::exp_map(Vec3(M_PI / 4.0, 0.0, 0.0))};
+               .orientation = tandem::pbd::exp_map(Vec3(std::numbers::pi / 4.0, 0.0, 0.0))};
   const double reach = std::sqrt(0.5);
   for (const double gap : {-0.05, 0.02}) {
     const Pose b{.position = Vec3(0.0, 0.0, 2.0 * reach + gap),
-                 .orientation = tandem::pbd::exp_map(Vec3(0.0, M_PI / 4.0, 0.0))};
+                 .orientation = tandem::pbd::exp_map(Vec3(0.0, std::numbers::pi / 4.0, 0.0))};
     CHECK(box_box_gap(half, a, half, b) == Approx(gap).margin(1e-12));
   }
 }
@@ -135,12 +137,12 @@ TEST_CASE("measure: a ball below the cliff's surface has tunnelled", "[measure]"
 }
 
 TEST_CASE("measure: K of the elliptic integral, periods of known signals", "[measure]") {
-  CHECK(elliptic_k(0.0) == Approx(M_PI / 2.0).epsilon(1e-14));
-  CHECK(elliptic_k(std::sin(M_PI / 4.0)) == Approx(1.8540746773013719).epsilon(1e-14));
+  CHECK(elliptic_k(0.0) == Approx(std::numbers::pi / 2.0).epsilon(1e-14));
+  CHECK(elliptic_k(std::sin(std::numbers::pi / 4.0)) == Approx(1.8540746773013719).epsilon(1e-14));
   std::vector<double> slow, fast;
   for (int i = 0; i < 600; ++i) {
-    slow.push_back(std::cos(2.0 * M_PI * i / 60.0 / 1.7));
-    fast.push_back(std::pow(0.99, i) * std::cos(2.0 * M_PI * i / 60.0 / 0.05));
+    slow.push_back(std::cos(2.0 * std::numbers::pi * i / 60.0 / 1.7));
+    fast.push_back(std::pow(0.99, i) * std::cos(2.0 * std::numbers::pi * i / 60.0 / 0.05));
   }
   CHECK(crossing_period(slow, 1.0 / 60.0) == Approx(1.7).epsilon(1e-4));
   CHECK(sinusoid_period(fast, 1.0 / 60.0) == Approx(0.05).epsilon(1e-9));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 
 #include "support/catch.h"
@@ -102,13 +103,14 @@ TEST_CASE("load_obj: polygons keep their area and front, convex or not", "[obj]"
   // A regular 40-gon.
   std::ostringstream many;
   for (int i = 0; i < 40; ++i) {
-    many << "v " << std::cos(i * M_PI / 20) << " " << std::sin(i * M_PI / 20) << " 0\n";
+    many << "v " << std::cos(i * std::numbers::pi / 20) << " "
+         << std::sin(i * std::numbers::pi / 20) << " 0\n";
   }
   many << "f";
   for (int i = 1; i <= 40; ++i) many << " " << i;
   const Mesh disc = parse(many.str());
   CHECK(disc->triangles().size() == 38);
-  CHECK(area(*disc) == Approx(20.0 * std::sin(M_PI / 20)).epsilon(1e-5));
+  CHECK(area(*disc) == Approx(20.0 * std::sin(std::numbers::pi / 20)).epsilon(1e-5));
 }
 
 TEST_CASE("load_obj: what is wrong is named with its line", "[obj][fault]") {

@@ -24,6 +24,11 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPi = 3.141592653589793;
 constexpr int kSamples = 300000;
 constexpr bool kHasReference = std::numeric_limits<long double>::digits > 60;
+#ifdef _WIN32  // whose sinl knows pi to 66 bits: near its multiples nothing is left
+constexpr bool kHasSines = false;
+#else
+constexpr bool kHasSines = kHasReference;
+#endif
 
 /// The largest error of a function, in units in the last place of the right result.
 class Worst {
@@ -49,7 +54,7 @@ double spread(SplitMix64& random, unsigned low) {
 }  // namespace
 
 TEST_CASE("portable: sines and cosines are right to less than 1.1 ulp", "[pbd][analytic]") {
-  if (!kHasReference) return;
+  if (!kHasSines) return;
   SplitMix64 random(1);
   Worst sine, cosine;
   const auto compare = [&](double x) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "../collision/allocation_count.h"
@@ -19,7 +20,7 @@ using tandem::testing::names;
 using tandem::testing::refusal;
 
 constexpr double kStep = 1.0 / 60.0;
-const Quat kUpright(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));  // y becomes up
+const Quat kUpright(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()));  // y becomes up
 
 void steps(Scene& scene, int count) {
   for (int i = 0; i < count; ++i) REQUIRE(scene.step(kStep).status == pbd::StepStatus::Ok);

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "tandem/pbd/math.h"
@@ -67,7 +68,7 @@ std::vector<Vec3> scanned_tin(pbd::SplitMix64& random, double size, double error
   };
   std::vector<Vec3> points;
   for (int i = 0; i < 24; ++i) {
-    const double turn = 2.0 * M_PI * i / 24.0;
+    const double turn = 2.0 * std::numbers::pi * i / 24.0;
     for (const double z : {-0.5, 0.5}) {
       points.emplace_back(size * Vec3(0.35 * std::cos(turn), 0.35 * std::sin(turn), z) +
                           error * in_ball());

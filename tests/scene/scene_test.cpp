@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/scene.h"
 
+#include <numbers>
 #include <set>
 #include <type_traits>
 #include <utility>
@@ -119,7 +120,7 @@ TEST_CASE("scene: a shape is where it was placed, its centre of mass where the f
   // A quarter of the height above the base, which lies at -0.4.
   const Vec3 centre = scene.world().pose(cone).position;
   CHECK((centre - place.to_world(Vec3(0.0, 0.0, -0.2))).norm() < 1e-14);
-  CHECK(scene.world().props(cone).mass == Approx(500.0 * M_PI * 0.2 * 0.2 * 0.8 / 3.0));
+  CHECK(scene.world().props(cone).mass == Approx(500.0 * std::numbers::pi * 0.2 * 0.2 * 0.8 / 3.0));
   // The apex is met where it was placed.
   const Vec3 axis = place.orientation * Vec3::UnitZ();
   const auto hit =
@@ -168,7 +169,7 @@ TEST_CASE("scene: a dumbbell weighs what its parts do", "[scene][analytic]") {
       {.shape = Sphere{0.1}, .local = {.position = Vec3(0.0, 0.0, 0.0)}, .density = 3000.0},
       {.shape = Sphere{0.1}, .local = {.position = Vec3(0.4, 0.0, 0.0)}, .density = 1000.0}};
   const BodyId free = scene.add(parts);
-  const double ball = 4.0 / 3.0 * M_PI * 1e-3;
+  const double ball = 4.0 / 3.0 * std::numbers::pi * 1e-3;
   CHECK(scene.world().props(free).mass == Approx(4000.0 * ball));
   CHECK(scene.world().pose(free).position.x() == Approx(0.1));
   CHECK(scene.pose(free).position.norm() < 1e-14);

@@ -4,6 +4,7 @@
 // Tiles of a floor are one floor, and what passes by passes by. Bodies, sizes, speeds, directions
 // and tiles are drawn; the outcome is that on one plane, or free flight.
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -58,7 +59,7 @@ struct Rider {
 Rider draw_rider(SplitMix64& random) {
   const double r = 0.01 * std::pow(50.0, random.unit());  // 1 cm to 50 cm
   const double h = r * random.uniform(0.4, 2.0);
-  const Quat lying = turned(Vec3::UnitX(), M_PI / 2);
+  const Quat lying = turned(Vec3::UnitX(), std::numbers::pi / 2);
   switch (random.below(9)) {
     case 0:
       return {"ball", {{Sphere{r}}}, Quat::Identity(), r, true};
@@ -262,7 +263,8 @@ TEST_CASE("seams: what goes slowly falls through no seam between the looks at it
     const double r = 0.05 * std::pow(10.0, random.unit());
     const bool capsule = random.chance(0.5);
     Rider rider{"ball", {{Sphere{r}}}, Quat::Identity(), r, true};
-    if (capsule) rider = {"capsule", {{Capsule{r, r}}}, turned(Vec3::UnitX(), M_PI / 2), r, true};
+    if (capsule)
+      rider = {"capsule", {{Capsule{r, r}}}, turned(Vec3::UnitX(), std::numbers::pi / 2), r, true};
     const double speed = random.uniform(0.05, 0.3);
     const double phase = random.unit();
     const Material material{.friction = 0.0};

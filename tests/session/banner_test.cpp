@@ -5,6 +5,7 @@
 // with 30 x 20 particles, the other with 60 x 40 (docs/parts.md).
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ constexpr SessionTime kStep = 16'666'667;      // ns
 struct Site {
   Site(consensus::Transport& transport, int columns, int rows, int side_of_user)
       : cloth(scene, {.pose = {Vec3(-0.5 * kWidth, 0.0, 1.0),
-                               Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()))},
+                               Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()))},
                       .width = kWidth,
                       .height = kHeight,
                       .columns = columns,

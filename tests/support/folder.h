@@ -2,9 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <sstream>
 #include <string>
 
@@ -16,9 +16,10 @@ namespace tandem::testing {
 class Folder {
  public:
   Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "tandem-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
+    std::random_device random;
+    do {
+      path_ = std::filesystem::temp_directory_path() / ("tandem-" + std::to_string(random()));
+    } while (!std::filesystem::create_directory(path_));
   }
   ~Folder() {
     std::error_code ignored;
@@ -36,7 +37,7 @@ class Folder {
   }
   /// Nobody else can read it, as keys must be.
   std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name) << text;
+    std::ofstream(path_ / name, std::ios::binary) << text;
     std::filesystem::permissions(path_ / name, std::filesystem::perms(0600));
     return file(name);
   }

@@ -2,8 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "support/catch.h"
@@ -149,7 +151,7 @@ inline void check_flood(const Served& served, std::size_t bound) {
   }
   int status = 0;
   for (int i = 0; i < 100 && status != 200; ++i) {
-    usleep(20000);
+    std::this_thread::sleep_for(std::chrono::microseconds(20000));
     status = status_of(served, served.root, host);
   }
   CHECK(status == 200);

@@ -25,24 +25,30 @@ inline int poll(pollfd* sockets, ULONG count, int timeout_ms) {
   return WSAPoll(sockets, count, timeout_ms);
 }
 // Of any bytes; Windows names characters.
-inline auto send(SOCKET socket, const void* bytes, std::size_t size, int flags) {
-  return send(socket, static_cast<const char*>(bytes), static_cast<int>(size), flags);
+template <class Byte>
+auto send(SOCKET socket, const Byte* bytes, std::size_t size, int flags) {
+  return send(socket, reinterpret_cast<const char*>(bytes), static_cast<int>(size), flags);
 }
-inline auto recv(SOCKET socket, void* bytes, std::size_t size, int flags) {
-  return recv(socket, static_cast<char*>(bytes), static_cast<int>(size), flags);
+template <class Byte>
+auto recv(SOCKET socket, Byte* bytes, std::size_t size, int flags) {
+  return recv(socket, reinterpret_cast<char*>(bytes), static_cast<int>(size), flags);
 }
-inline auto sendto(SOCKET socket, const void* bytes, std::size_t size, int flags,
-                   const sockaddr* to, socklen_t to_size) {
-  return sendto(socket, static_cast<const char*>(bytes), static_cast<int>(size), flags, to,
+template <class Byte>
+auto sendto(SOCKET socket, const Byte* bytes, std::size_t size, int flags, const sockaddr* to,
+            socklen_t to_size) {
+  return sendto(socket, reinterpret_cast<const char*>(bytes), static_cast<int>(size), flags, to,
                 to_size);
 }
-inline auto recvfrom(SOCKET socket, void* bytes, std::size_t size, int flags, sockaddr* from,
-                     socklen_t* from_size) {
-  return recvfrom(socket, static_cast<char*>(bytes), static_cast<int>(size), flags, from,
+template <class Byte>
+auto recvfrom(SOCKET socket, Byte* bytes, std::size_t size, int flags, sockaddr* from,
+              socklen_t* from_size) {
+  return recvfrom(socket, reinterpret_cast<char*>(bytes), static_cast<int>(size), flags, from,
                   from_size);
 }
-inline int setsockopt(SOCKET socket, int level, int name, const void* value, socklen_t size) {
-  return setsockopt(socket, level, name, static_cast<const char*>(value), size);
+template <class Value>
+int setsockopt(SOCKET socket, int level, int name, const Value* value, std::size_t size) {
+  return setsockopt(socket, level, name, reinterpret_cast<const char*>(value),
+                    static_cast<int>(size));
 }
 
 #endif
