@@ -248,7 +248,8 @@ TEST_CASE("tcp: what was posted as reliable leaves before the end", "[net][socke
   CHECK(eventually([&] { return status(a, 2).reason == "peer: has left"; }));
 }
 
-TEST_CASE("tcp: the end does not wait for a peer that hangs", "[net][socket]") {
+// Windows ends a send that waits when its socket is closed; wine 8 never does.
+TEST_CASE("tcp: the end does not wait for a peer that hangs", "[net][socket][not_on_wine]") {
   const raw::LeakCheck leaks;
   auto a = std::make_unique<TcpTransport>(tight(1));
   raw::Socket hung = raw::Socket::connect(a->local_port(), 4096);
