@@ -103,11 +103,15 @@ consumer c_files "$prefix" tinyobjloader nlohmann_json Asio
 with c_files nlohmann_json "$json"
 without c_files Asio "$asio"
 
+# What users may ask of their compiler finds nothing in headers, nor in the README's way to fill a struct.
+warnings=(-Wall -Wextra -Wpedantic -Wmissing-field-initializers -Werror)
+/usr/bin/python3 "$here/designated.py" g++ clang++
+
 # The same without CMake, and from a tree that was moved.
 mv "$prefix" "$scratch/moved"
 for component in pbd collision scene scene_files obj consensus virtual_network net session c c_session c_files; do
   source=$here/$component.cpp
-  language=(c++ -std=c++20 -Wno-missing-field-initializers)
+  language=(c++ -std=c++20 "${warnings[@]}")
   if [[ $component == c || $component == c_* ]]; then
     source=$here/$component.c
     language=(cc -std=c11)
@@ -125,7 +129,7 @@ awk '/^```cpp$/ {inside = 1; next} /^```$/ && inside {exit} inside' "$root/READM
   >"$scratch/readme.cpp"
 flags=$(PKG_CONFIG_PATH=$(echo "$scratch"/moved/lib*/pkgconfig) pkg-config --cflags --libs tandem-scene)
 # shellcheck disable=SC2086
-c++ -std=c++20 "$scratch/readme.cpp" -o "$scratch/readme" $flags ||
+c++ -std=c++20 "${warnings[@]}" "$scratch/readme.cpp" -o "$scratch/readme" $flags ||
   fail "the program of the README does not build"
 [[ $("$scratch/readme") == "the cube lies at 0.050 m" ]] || fail "the program of the README fails"
 mv "$scratch/moved" "$prefix"
@@ -133,6 +137,7 @@ mv "$scratch/moved" "$prefix"
 # The ladder of examples, and the tutorial as it stands: each says what it claims, and ends with 0
 # where that holds.
 cmake -S "$root/demos/examples" -B "$scratch/examples" -DCMAKE_PREFIX_PATH="$prefix" \
+  -DCMAKE_CXX_FLAGS="${warnings[*]}" \
   >"$scratch/log" 2>&1 && cmake --build "$scratch/examples" >>"$scratch/log" 2>&1 ||
   fail_with_log "the examples do not build"
 ctest --test-dir "$scratch/examples" --no-tests=error --output-on-failure ||
