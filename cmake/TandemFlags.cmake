@@ -20,6 +20,9 @@ if(WIN32)
 endif()
 if(TANDEM_WERROR)
   add_compile_options(-Werror)
+elseif(NOT PROJECT_IS_TOP_LEVEL)
+  # That of a project around it is meant for its own sources.
+  add_compile_options(-Wno-error)
 endif()
 
 if(TANDEM_SANITIZE)
