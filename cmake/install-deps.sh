@@ -32,7 +32,7 @@ with_view() {
 
 for argument in "$@"; do
   case "$argument" in
-    --with-python) packages+=(pybind11-dev python3-dev python3-numpy python3-pytest mypy) ;;
+    --with-python) packages+=(pybind11-dev python3-dev python3-numpy python3-pip python3-pytest mypy) ;;
     --with-csharp)
       packages+=(mono-mcs mono-runtime libmono-system4.0-cil libmono-system-core4.0-cil binutils python3) ;;
     --with-robots)

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Make a wheel of a built package: make_wheel.py PACKAGE VERSION FOLDER, and print its path.
+"""Make a wheel of a built package: make_wheel.py PACKAGE VERSION FOLDER [LICENSES], and print its path.
 
 PACKAGE is <build>/python/tandem of a static build. The wheel is for this interpreter on systems with the
-shared libraries of FCL and libccd, which it does not bring.
+shared libraries that the build wants: none but C's where build_wheel.sh made it. LICENSES is a folder of files.
 """
+
+from __future__ import annotations
 
 import base64
 import hashlib
@@ -14,7 +16,9 @@ import sysconfig
 import zipfile
 
 
-def make_wheel(package: pathlib.Path, version: str, folder: pathlib.Path) -> pathlib.Path:
+def make_wheel(
+    package: pathlib.Path, version: str, folder: pathlib.Path, licenses: pathlib.Path | None = None
+) -> pathlib.Path:
     python = f"cp{sys.version_info.major}{sys.version_info.minor}"
     system = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     tag = f"{python}-{python}-{system}"
@@ -24,9 +28,12 @@ def make_wheel(package: pathlib.Path, version: str, folder: pathlib.Path) -> pat
         for path in sorted(package.iterdir())
         if path.suffix in (".py", ".pyi", ".so") or path.name == "py.typed"
     }
+    for path in sorted(licenses.iterdir()) if licenses else []:
+        files[f"{info}/licenses/{path.name}"] = path.read_bytes()
+    # pybind11 knows numpy 2 from 2.12 on; Debian 12 has 2.10.
     files[f"{info}/METADATA"] = (
         f"Metadata-Version: 2.1\nName: tandem\nVersion: {version}\nLicense: MIT\n"
-        f"Summary: XPBD rigid bodies: scenes, states as numpy arrays, batches\nRequires-Dist: numpy\n"
+        f"Summary: XPBD rigid bodies: scenes, states as numpy arrays, batches\nRequires-Dist: numpy<2\n"
     ).encode()
     files[f"{info}/WHEEL"] = (
         f"Wheel-Version: 1.0\nGenerator: tandem\nRoot-Is-Purelib: false\nTag: {tag}\n"
@@ -46,4 +53,5 @@ def make_wheel(package: pathlib.Path, version: str, folder: pathlib.Path) -> pat
 
 
 if __name__ == "__main__":
-    print(make_wheel(pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3])))
+    package, version, *folders = sys.argv[1:]
+    print(make_wheel(pathlib.Path(package), version, *map(pathlib.Path, folders)))

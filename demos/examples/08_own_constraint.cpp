@@ -44,7 +44,7 @@ class SpringHinge {
     const Vec3 r = body.q * def_.anchor_l;
     const RowSoftness soft = RowSoftness::of(1.0 / def_.stiffness, def_.damping, ctx.h);
     const double scale = 1.0 / (1.0 + soft.gamma);
-    Eigen::Matrix<double, 6, 6> k;  // how far an impulse and a couple move the rows
+    Eigen::Matrix<double, 6, 6> k = Eigen::Matrix<double, 6, 6>::Zero();  // impulses to rows
     k.topLeftCorner<3, 3>() = point_inverse_mass({}, body, Vec3::Zero(), r);
     k.bottomLeftCorner<3, 3>() = body.inv_inertia_w * skew(r);  // LDL^T reads the lower half
     k.bottomRightCorner<3, 3>() = body.inv_inertia_w;

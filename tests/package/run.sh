@@ -103,11 +103,15 @@ consumer c_files "$prefix" tinyobjloader nlohmann_json Asio
 with c_files nlohmann_json "$json"
 without c_files Asio "$asio"
 
+# What users may ask of their compiler finds nothing in headers, nor in the README's way to fill a struct.
+warnings=(-Wall -Wextra -Wpedantic -Wmissing-field-initializers -Werror)
+/usr/bin/python3 "$here/designated.py" g++ clang++
+
 # The same without CMake, and from a tree that was moved.
 mv "$prefix" "$scratch/moved"
 for component in pbd collision scene scene_files obj consensus virtual_network net session c c_session c_files; do
   source=$here/$component.cpp
-  language=(c++ -std=c++20 -Wno-missing-field-initializers)
+  language=(c++ -std=c++20 "${warnings[@]}")
   if [[ $component == c || $component == c_* ]]; then
     source=$here/$component.c
     language=(cc -std=c11)
@@ -125,14 +129,49 @@ awk '/^```cpp$/ {inside = 1; next} /^```$/ && inside {exit} inside' "$root/READM
   >"$scratch/readme.cpp"
 flags=$(PKG_CONFIG_PATH=$(echo "$scratch"/moved/lib*/pkgconfig) pkg-config --cflags --libs tandem-scene)
 # shellcheck disable=SC2086
-c++ -std=c++20 "$scratch/readme.cpp" -o "$scratch/readme" $flags ||
+c++ -std=c++20 "${warnings[@]}" "$scratch/readme.cpp" -o "$scratch/readme" $flags ||
   fail "the program of the README does not build"
 [[ $("$scratch/readme") == "the cube lies at 0.050 m" ]] || fail "the program of the README fails"
 mv "$scratch/moved" "$prefix"
 
+# As sources in somebody else's project: the program of the README, and of Tandem what it links. In the build folder,
+# and below one name, as ccache knows files by their paths there.
+subproject() {
+  local way=$1 folder=$build/package/$1 extra
+  rm -rf "$folder"
+  cmake -S "$here/subproject" -B "$folder" -G Ninja -DWAY="$way" -DTANDEM_SOURCES="$root" \
+    -DPROGRAM="$scratch/readme.cpp" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0 \
+    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON "${@:2}" >"$scratch/log" 2>&1 ||
+    fail_with_log "a project with Tandem by $way cannot be configured"
+  cmake --build "$folder" >"$scratch/log" 2>&1 || fail_with_log "a project with Tandem by $way does not build"
+  [[ $("$folder/cube") == "the cube lies at 0.050 m" ]] || fail "the program with Tandem by $way fails"
+  extra=$(find "$folder" -name '*.a' ! -name 'libtandem_pbd.a' ! -name 'libtandem_collision.a' \
+    ! -name 'libtandem_scene.a')
+  [[ -z $extra ]] || fail "by $way more is built than what is linked:"$'\n'"$extra"
+  # Its own flags, and of Tandem's where headers are and the standard.
+  python3 - "$folder/compile_commands.json" <<'FLAGS' || fail "flags of Tandem reach a project with it by $way"
+import json, sys
+program, = (entry for entry in json.load(open(sys.argv[1])) if "/cube.dir/" in entry["file"])
+flags = program["command"].split(" -o ")[0].split()[1:]
+theirs = {"-Wall", "-Wextra", "-Wpedantic", "-Wmissing-field-initializers", "-Werror"}
+leaked = [flag for flag in flags if flag.startswith("-") and not flag.startswith("-I") and flag not in theirs
+          and flag not in ("-isystem", "-std=gnu++20")]
+sys.exit(f"flags: {leaked}" if leaked or not theirs <= set(flags) else 0)
+FLAGS
+  ! ctest --test-dir "$folder" -N 2>/dev/null | grep "Test *#" || fail "by $way the tests above are there"
+  # They may install theirs.
+  cmake --install "$folder" --prefix "$scratch/$way" >"$scratch/log" 2>&1 ||
+    fail_with_log "a project with Tandem by $way cannot be installed"
+  [[ $(find "$scratch/$way" -type f) == "$scratch/$way/bin/cube" ]] || fail "by $way Tandem is installed as well"
+}
+subproject add_subdirectory
+subproject FetchContent -DCMAKE_DISABLE_FIND_PACKAGE_tinyobjloader=ON \
+  -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON -DCMAKE_DISABLE_FIND_PACKAGE_Asio=ON
+
 # The ladder of examples, and the tutorial as it stands: each says what it claims, and ends with 0
 # where that holds.
 cmake -S "$root/demos/examples" -B "$scratch/examples" -DCMAKE_PREFIX_PATH="$prefix" \
+  -DCMAKE_CXX_FLAGS="${warnings[*]}" \
   >"$scratch/log" 2>&1 && cmake --build "$scratch/examples" >>"$scratch/log" 2>&1 ||
   fail_with_log "the examples do not build"
 ctest --test-dir "$scratch/examples" --no-tests=error --output-on-failure ||

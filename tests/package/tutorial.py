@@ -55,7 +55,7 @@ def run(commands, folder, environment):
 def main():
     text = pathlib.Path(sys.argv[1]).read_text()
     environment = dict(os.environ, CMAKE_PREFIX_PATH=sys.argv[2],
-                       CXXFLAGS="-Wall -Wextra -Werror")
+                       CXXFLAGS="-Wall -Wextra -Wpedantic -Werror")
     port = free_port()
     counts = {}
     with tempfile.TemporaryDirectory() as folder:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 import pathlib
+import re
 import subprocess
 import sys
 import zipfile
@@ -11,9 +12,14 @@ import tandem
 ROOT = pathlib.Path(__file__).parents[2]
 
 
+def test_the_version_is_the_projects():
+    project = (ROOT / "CMakeLists.txt").read_text()
+    assert re.findall(r"^project\(tandem VERSION (\S+)", project, re.M) == [tandem.__version__]
+
+
 def test_a_wheel_can_be_unpacked_and_used(tmp_path):
     package = pathlib.Path(tandem.__file__).parent
-    command = [sys.executable, ROOT / "bindings/python/make_wheel.py", package, "0.1.0", tmp_path / "wheels"]
+    command = [sys.executable, ROOT / "bindings/python/make_wheel.py", package, tandem.__version__, tmp_path / "wheels"]
     wheel = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
     again = subprocess.run([*command[:-1], tmp_path / "again"], capture_output=True, text=True, check=True)
     assert pathlib.Path(wheel).read_bytes() == pathlib.Path(again.stdout.strip()).read_bytes()
@@ -31,7 +37,7 @@ def test_pip_takes_the_wheel(tmp_path):
     sys.path.insert(0, str(ROOT / "bindings/python"))
     from make_wheel import make_wheel
 
-    made = make_wheel(pathlib.Path(tandem.__file__).parent, "0.1.0", tmp_path)
+    made = make_wheel(pathlib.Path(tandem.__file__).parent, tandem.__version__, tmp_path)
     pip = [sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--target", tmp_path / "to", made]
     done = subprocess.run(pip, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

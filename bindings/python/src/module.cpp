@@ -4,6 +4,7 @@
 
 PYBIND11_MODULE(_tandem, m) {
   using namespace tandem::python;
+  m.attr("__version__") = TANDEM_VERSION;
   bind_shapes(m);
   bind_bodies(m);
   auto scene = bind_scene(m);

@@ -33,6 +33,7 @@ from ._tandem import (
     Tcp,
     Udp,
     VirtualNetwork,
+    __version__,
 )
 
 __all__ = [

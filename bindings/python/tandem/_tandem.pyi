@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 BodyType = Literal["static", "kinematic", "dynamic"]
 
+__version__: str
+
 class Shape: ...
 
 class Sphere(Shape):

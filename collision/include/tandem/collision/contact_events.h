@@ -15,10 +15,10 @@ namespace tandem::collision {
 
 /// Two colliders that touch, a the lower one. Where one was removed, its id is stale.
 struct TANDEM_API ContactPair {
-  ColliderId a;
-  ColliderId b;
-  pbd::BodyId body_a;
-  pbd::BodyId body_b;
+  ColliderId a = {};
+  ColliderId b = {};
+  pbd::BodyId body_a = {};
+  pbd::BodyId body_b = {};
 
   friend auto operator<=>(const ContactPair&, const ContactPair&) = default;
 };
@@ -34,10 +34,10 @@ struct TANDEM_API ContactHit {
 
 /// A sensor and what is in it.
 struct TANDEM_API SensorPair {
-  ColliderId sensor;
-  ColliderId visitor;
-  pbd::BodyId sensor_body;
-  pbd::BodyId visitor_body;
+  ColliderId sensor = {};
+  ColliderId visitor = {};
+  pbd::BodyId sensor_body = {};
+  pbd::BodyId visitor_body = {};
 
   friend auto operator<=>(const SensorPair&, const SensorPair&) = default;
 };

@@ -49,9 +49,9 @@ class TANDEM_API ConvexHull {
                                                 double tolerance = kTolerance);
 
   struct Simplified {
-    std::shared_ptr<const ConvexHull> hull;
-    double error =
-        0.0;  ///< m: as far a point lies above a face at most, or a face above the points
+    std::shared_ptr<const ConvexHull> hull = {};
+    /// m: as far a point lies above a face at most, or a face above the points.
+    double error = 0.0;
   };
   /// The same of what make() refuses for its shape: with kMaxVertices corners, the farthest first,
   /// and where the points are in a plane as a plate of 1e-3 of their extent.

@@ -32,8 +32,8 @@ struct TANDEM_API Ray {
 };
 
 struct TANDEM_API RayHit {
-  ColliderId collider;
-  pbd::BodyId body;
+  ColliderId collider = {};
+  pbd::BodyId body = {};
   pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the collider
   double distance = 0.0;                  ///< m; 0 where the ray starts in a solid
@@ -43,8 +43,8 @@ struct TANDEM_API RayHit {
 };
 
 struct TANDEM_API CastHit {
-  ColliderId collider;
-  pbd::BodyId body;
+  ColliderId collider = {};
+  pbd::BodyId body = {};
   pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world, where they meet
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the collider
   double fraction = 0.0;                  ///< of the displacement; 0 where they overlap at once
@@ -53,8 +53,8 @@ struct TANDEM_API CastHit {
 };
 
 struct TANDEM_API ClosestHit {
-  ColliderId collider;
-  pbd::BodyId body;
+  ColliderId collider = {};
+  pbd::BodyId body = {};
   pbd::Vec3 on_shape = pbd::Vec3::Zero();     ///< m, world
   pbd::Vec3 on_collider = pbd::Vec3::Zero();  ///< m, world
   pbd::Vec3 normal = pbd::Vec3::UnitZ();      ///< unit, out of the collider

@@ -24,15 +24,15 @@ class TANDEM_API SceneFileError : public std::invalid_argument {
 /// A scene that came from a file.
 struct TANDEM_API SceneFile {
   struct TANDEM_API Body {
-    std::string name;  ///< may be empty
-    BodyId body;
+    std::string name = {};  ///< may be empty
+    BodyId body = {};
     /// In the body's, that which Scene::pose() tells of. Robots' links that are fixed to another
     /// one are parts of its body; their frames stay known here.
     Pose frame = {};
   };
   struct TANDEM_API Joint {
-    std::string name;  ///< may be empty
-    pbd::JointId joint;
+    std::string name = {};  ///< may be empty
+    pbd::JointId joint = {};
   };
   /// Pulls at a coordinate of a joint with gain * control + bias - stiffness * coordinate, N or
   /// N m. MJCF has such ones; the first one of a coordinate has the joint's own spring in it. A
@@ -52,11 +52,12 @@ struct TANDEM_API SceneFile {
     double max_force = pbd::kUnlimited;  ///< N or N m, > 0
   };
 
-  Scene scene;
-  std::vector<Body> bodies;           ///< in the file's order
-  std::vector<Joint> joints;          ///< likewise
-  std::vector<Actuator> actuators;    ///< likewise
-  std::vector<std::string> warnings;  ///< what the file has and the scene has not, with its place
+  Scene scene{};
+  std::vector<Body> bodies = {};         ///< in the file's order
+  std::vector<Joint> joints = {};        ///< likewise
+  std::vector<Actuator> actuators = {};  ///< likewise
+  /// What the file has and the scene has not, with its place.
+  std::vector<std::string> warnings = {};
 
   /// Of the first one with that name; the invalid id where there is none.
   BodyId find(std::string_view name) const;

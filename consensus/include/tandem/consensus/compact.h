@@ -31,7 +31,7 @@ inline constexpr double kAnchorSpeedQuantum = 1.0 / 256.0;  ///< m/s, up to 2^7
 /// A state and the index that the sender has given to its body.
 struct TANDEM_API IndexedState {
   std::uint16_t index = 0;
-  StateUpdate update;  ///< the id is not looked at
+  StateUpdate update = {};  ///< the id is not looked at
 };
 
 /// Append one message with as many of these states as bring the packet to `max_bytes`, and up to

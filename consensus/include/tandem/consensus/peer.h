@@ -196,15 +196,15 @@ struct TANDEM_API PeerStats {
   std::uint64_t springs_refused = 0;  ///< unknown body, or too many
   std::uint64_t acts_refused = 0;     ///< unknown or owned body, too old, or too many; own ones too
   std::uint64_t bytes_sent = 0;
-  InboxCounters inbox;
-  ReplayStats replay;
+  InboxCounters inbox = {};
+  ReplayStats replay = {};
   /// Bodies that were taken over from an elected peer, since copies rested in different places.
   std::uint64_t bodies_placed = 0;
   /// Bodies that now rest elsewhere than the elected peer's do: taking them over was in vain, since
   /// the surroundings are others.
   std::uint64_t bodies_apart = 0;
   /// By peer; empty where every state goes to everybody in full, see SendOptions.
-  std::vector<LinkStats> links;
+  std::vector<LinkStats> links = {};
 };
 
 /// A remote state that is about to be used, with all that predictors may go by.
@@ -246,7 +246,7 @@ struct TANDEM_API HeldBody {
 /// A state of a body that is not shared here.
 struct TANDEM_API UnknownState {
   PeerId from = 0;
-  StateUpdate update;
+  StateUpdate update = {};
 };
 
 /// One participant: shares bodies of a world with the other peers of a transport.

@@ -55,7 +55,7 @@ struct TANDEM_API InboxCounters {
 /// What one other peer has sent and what was done about it, since it was first heard.
 struct TANDEM_API PeerReport {
   PeerId peer = 0;
-  InboxCounters inbox;  ///< of its states
+  InboxCounters inbox = {};  ///< of its states
   /// Steps in which its states were left out where others spoke: so much older than theirs that a
   /// replay from there would have been everybody's cost.
   std::uint64_t late = 0;

@@ -83,14 +83,14 @@ struct TANDEM_API Leave {
 struct TANDEM_API CompactState {
   std::uint32_t table = 0;  ///< the sender's list of indices
   std::uint16_t index = 0;
-  StateUpdate update;
+  StateUpdate update = {};
 };
 
 /// What the sender calls a body. Within one table an index never changes its meaning.
 struct TANDEM_API IndexAssignment {
   std::uint32_t table = 0;
   std::uint16_t index = 0;
-  SharedId id;
+  SharedId id = {};
 };
 
 /// The sender does not know (any more) what was said: the names of indices, or of what rests. It
@@ -137,17 +137,17 @@ struct TANDEM_API ActReceipt {
 
 /// Everything that one packet said. Reuse it: decode() keeps the capacities.
 struct TANDEM_API DecodedPacket {
-  std::vector<StateUpdate> states;
-  std::vector<SpringUpdate> springs;
-  std::vector<Leave> leaves;
-  std::vector<OwnershipUpdate> ownership;
-  std::vector<CompactState> compact;
-  std::vector<IndexAssignment> assignments;
-  std::vector<IndicesWanted> indices_wanted;
-  std::vector<Alive> alive;
-  std::vector<AnchorUpdate> anchors;
-  std::vector<ActUpdate> acts;
-  std::vector<ActReceipt> receipts;
+  std::vector<StateUpdate> states = {};
+  std::vector<SpringUpdate> springs = {};
+  std::vector<Leave> leaves = {};
+  std::vector<OwnershipUpdate> ownership = {};
+  std::vector<CompactState> compact = {};
+  std::vector<IndexAssignment> assignments = {};
+  std::vector<IndicesWanted> indices_wanted = {};
+  std::vector<Alive> alive = {};
+  std::vector<AnchorUpdate> anchors = {};
+  std::vector<ActUpdate> acts = {};
+  std::vector<ActReceipt> receipts = {};
 
   void clear();
 };

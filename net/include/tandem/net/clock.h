@@ -95,9 +95,10 @@ struct TANDEM_API PhysicsClockOptions {
 
 /// What PhysicsClock::advance asks for.
 struct TANDEM_API ClockTick {
-  std::span<const std::int64_t> steps;  ///< step lengths, ns, in order; valid until the next call
-  std::int64_t skipped = 0;             ///< ns of shared time jumped over before the steps
-  std::int64_t lag = 0;                 ///< shared time minus physics time after the steps, ns
+  /// Step lengths, ns, in order; valid until the next call.
+  std::span<const std::int64_t> steps = {};
+  std::int64_t skipped = 0;  ///< ns of shared time jumped over before the steps
+  std::int64_t lag = 0;      ///< shared time minus physics time after the steps, ns
   /// How far shared time is behind, ns, >= 0: so long nothing moves. 0 in normal running.
   std::int64_t held = 0;
 };

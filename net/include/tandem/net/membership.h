@@ -55,7 +55,7 @@ struct TANDEM_API GroupChange {
   std::uint64_t number = 0;   ///< the largest counts; > 0
   std::uint64_t session = 0;  ///< as Certificate::session
   Key session_key{};
-  std::vector<Key> revoked;  ///< public keys, all of them each time; at most kMaxRevoked
+  std::vector<Key> revoked = {};  ///< public keys, all of them each time; at most kMaxRevoked
 };
 
 constexpr std::size_t kMaxRevoked = 100;

@@ -72,11 +72,11 @@ struct TANDEM_API TcpOptions {
 
 /// A dialled address, whether or not its peer is known yet.
 struct TANDEM_API DialStatus {
-  HostPort address;
+  HostPort address = {};
   PeerId peer = 0;             ///< 0 until it has told its id
   bool connected = false;      ///< its peer is
   std::uint64_t attempts = 0;  ///< dials since it was connected for longer than backoff_max
-  std::string reason;          ///< why the last attempt failed; empty where none has
+  std::string reason = {};     ///< why the last attempt failed; empty where none has
 };
 
 /// Connections that did not become a peer, or had to be given up.
@@ -90,7 +90,7 @@ struct TANDEM_API StrangerStatus {
   /// Frames that the other end has not sealed, or not there: forged, changed, repeated, out of
   /// order. Each has ended its connection, which may have been that of a peer.
   std::uint64_t forged = 0;
-  std::string last_reason;  ///< of the latest of them
+  std::string last_reason = {};  ///< of the latest of them
 };
 
 /// Full mesh over TCP: every process accepts and dials, learns the others' addresses from any peer

@@ -81,10 +81,10 @@ struct TANDEM_API UdpStrangers {
 
 /// What has become of one of UdpOptions::connect.
 struct TANDEM_API UdpLookup {
-  HostPort address;
+  HostPort address = {};
   bool found = false;          ///< and dialled since; it is not looked up again
   std::uint64_t attempts = 0;  ///< backoff_max apart
-  std::string reason;          ///< why the last one failed; empty where found
+  std::string reason = {};     ///< why the last one failed; empty where found
 };
 
 /// What was passed on for peers that have no route to each other: whole datagrams, sealed with keys

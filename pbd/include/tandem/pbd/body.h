@@ -70,8 +70,8 @@ struct TANDEM_API BodyDef {
 
 /// What a body is between two steps.
 struct TANDEM_API BodyState {
-  Pose pose;
-  Twist twist;
+  Pose pose = {};
+  Twist twist = {};
 };
 
 /// The axes about which an inertia is diagonal.
@@ -88,16 +88,16 @@ struct TANDEM_API BodyProps {
   double inverse_mass = 0.0;            ///< 1/kg; 0 unless dynamic
   Mat3 inertia = Mat3::Zero();          ///< kg m^2, body frame
   Mat3 inverse_inertia = Mat3::Zero();  ///< 1/(kg m^2), body frame; 0 unless dynamic
-  PrincipalAxes principal;              ///< of the inertia
+  PrincipalAxes principal = {};         ///< of the inertia
   double gravity_scale = 1.0;
   double linear_damping = 0.0;   ///< 1/s
   double angular_damping = 0.0;  ///< 1/s
-  AxisLocks locks;
+  AxisLocks locks = {};
   bool bullet = false;
   bool can_sleep = true;
-  std::optional<double> sleep_speed;  ///< m/s; none: as the solver has it
-  std::optional<double> sleep_spin;   ///< rad/s, likewise
-  std::optional<std::uint64_t> stable_id;
+  std::optional<double> sleep_speed = {};  ///< m/s; none: as the solver has it
+  std::optional<double> sleep_spin = {};   ///< rad/s, likewise
+  std::optional<std::uint64_t> stable_id = {};
   Vec3 origin = Vec3::Zero();  ///< m, body frame: the application's
 };
 

@@ -20,7 +20,7 @@ class TANDEM_API BodyLog {
  public:
   /// How far somebody has read. An empty one has read nothing, and one of another world neither.
   struct Mark {
-    std::shared_ptr<const std::byte> log;
+    std::shared_ptr<const std::byte> log = {};
     std::uint64_t count = 0;
     std::uint64_t stirred = 0;
   };

@@ -75,7 +75,7 @@ enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
 struct TANDEM_API SubstepContext {
   /// By slot. Of bodies that cannot move only those are here that a block names in append_edges()
   /// or append_idle(): the rest are zeros.
-  std::span<SolverBody> bodies;
+  std::span<SolverBody> bodies = {};
   /// Those that may move, ascending: the bodies of all groups are among them.
   std::span<const std::uint32_t> movers = {};
   double h = 0.0;                ///< s, length of the substep
@@ -105,7 +105,7 @@ struct TANDEM_API SubstepContext {
 
 /// What a block tells about itself after a step.
 struct TANDEM_API BlockReport {
-  std::string_view name;
+  std::string_view name = {};
   int rows = 0;
   int extra_rows = 0;     ///< solved again where it was needed, over all substeps
   int refined_rows = 0;   ///< solved in substeps beyond the solver's, over all of them

@@ -47,7 +47,7 @@ struct TANDEM_API ContactOptions {
 
 /// One manifold of a step and what is carried from step to step with it.
 struct TANDEM_API Contact {
-  Manifold manifold;
+  Manifold manifold = {};
   std::array<double, 4> force{};       ///< N, normal, of the last substep; >= 0
   Vec3 friction_force = Vec3::Zero();  ///< N, world, on body b, of the last substep
   /// What friction the next step starts from, smoothed over steps: N, world, on body b, and N m

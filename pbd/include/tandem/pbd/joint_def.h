@@ -94,8 +94,8 @@ struct TANDEM_API BallDrive {
     double max_torque = kUnlimited;  ///< N m, > 0
     double max_speed = kUnlimited;   ///< rad/s, > 0: on the way to a target
   };
-  Spring spring;
-  Motor motor;
+  Spring spring = {};
+  Motor motor = {};
   double friction = 0.0;  ///< N m, >= 0; a motor that is on takes its place
 };
 

@@ -59,7 +59,7 @@ struct TANDEM_API Manifold {
 struct TANDEM_API MotionLimit {
   std::uint32_t body = 0;  ///< slot
   double share = 1.0;      ///< of the way from where the step began, below 1
-  Pose pose;               ///< where it stays: an obstacle that moves on takes it along
+  Pose pose = {};          ///< where it stays: an obstacle that moves on takes it along
   /// Unit, out of the obstacle: no speed against it stays. Zero: all of it stays, for the next
   /// step's contact.
   Vec3 normal = Vec3::UnitZ();

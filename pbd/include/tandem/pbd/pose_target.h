@@ -44,7 +44,7 @@ struct TANDEM_API PoseTarget {
 struct TANDEM_API Correction {
   Vec3 translation = Vec3::Zero();  ///< m, world: sum of the displacement channel
   Vec3 rotation = Vec3::Zero();     ///< rad, world, rotation vector
-  Twist twist;                      ///< velocity agreement
+  Twist twist = {};                 ///< velocity agreement
 };
 
 /// Anything that knows where remote peers see the bodies; `consensus` implements this.

@@ -50,8 +50,8 @@ struct TANDEM_API StepParts {
 /// What one step did. A reference that is valid until the solver's next step.
 struct TANDEM_API StepReport {
   StepStatus status = StepStatus::Ok;
-  BodyId first_bad_body;  ///< valid where status is NonFinite
-  int substeps = 0;       ///< of the group that had most
+  BodyId first_bad_body = {};  ///< valid where status is NonFinite
+  int substeps = 0;            ///< of the group that had most
   int bodies = 0;
   int targets = 0;
   int awake = 0;                ///< bodies that were solved
@@ -61,10 +61,10 @@ struct TANDEM_API StepReport {
   int turning = 0;              ///< bodies whose orientation something may change
   int threads = 1;
   std::array<bool, kStageCount> ran{};  ///< whether the stage had anything to do
-  StepParts parts;
+  StepParts parts = {};
   std::array<double, kStageCount> stage_s{};  ///< wall time of each stage, s
-  std::vector<BlockReport> blocks;            ///< rows and residuals, in solve order
-  ConsensusEnergy energy;
+  std::vector<BlockReport> blocks = {};       ///< rows and residuals, in solve order
+  ConsensusEnergy energy = {};
 
   double total_s() const {
     double sum = 0.0;

@@ -17,9 +17,9 @@ namespace tandem::ice {
 
 /// A server that passes datagrams on where two NATs let nothing else through (RFC 8656), over UDP.
 struct TANDEM_API TurnServer {
-  net::HostPort address;
-  std::string user;
-  std::string password;
+  net::HostPort address = {};
+  std::string user = {};
+  std::string password = {};
 };
 
 /// Who helps two peers behind NATs to find each other. Names are looked up once, at the start, and

@@ -30,11 +30,11 @@ struct TANDEM_API LedgerOptions {
 
 /// What is written of one body.
 struct TANDEM_API LedgerRecord {
-  consensus::SharedId id;
-  Cell cell;                     ///< of level 0, in which it is looked for
+  consensus::SharedId id = {};
+  Cell cell = {};                ///< of level 0, in which it is looked for
   consensus::PeerId keeper = 0;  ///< who writes where it goes; 0: nobody, whoever comes may
-  pbd::Pose pose;                ///< of the centre of mass, world
-  pbd::Twist twist;              ///< world
+  pbd::Pose pose = {};           ///< of the centre of mass, world
+  pbd::Twist twist = {};         ///< world
   std::uint64_t revision = 0;    ///< one more with each record of this body; 0: not written yet
 };
 
@@ -45,7 +45,7 @@ struct TANDEM_API LedgerNews {
     Refused,  ///< this object has not, since somebody else did first: this is what he wrote
   };
   Kind kind{};
-  LedgerRecord record;
+  LedgerRecord record = {};
 };
 
 /// Where each body of a session was last, whoever is there: a last word for each, kept by

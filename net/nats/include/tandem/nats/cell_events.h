@@ -37,11 +37,11 @@ struct TANDEM_API CellEventOptions {
 
 /// Something that happened at a place, in the application's own words. Untrusted.
 struct TANDEM_API CellEvent {
-  Cell cell;  ///< of level 0
+  Cell cell = {};  ///< of level 0
   consensus::PeerId from = 0;
   consensus::SessionTime stamp = 0;  ///< ns, as its sender has said
-  std::string topic;
-  std::vector<std::byte> payload;
+  std::string topic = {};
+  std::vector<std::byte> payload = {};
 };
 
 /// Events that concern a place, for whoever is near it, kept by JetStream: a door was unlocked

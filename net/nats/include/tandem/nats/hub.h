@@ -55,7 +55,7 @@ struct TANDEM_API HubStatus {
   std::uint64_t lost = 0;       ///< not sent, since there was no server
   std::uint64_t slow = 0;   ///< times that the server or the client library dropped for slowness
   std::size_t waiting = 0;  ///< asked by ledgers and events and not done; tried again and again
-  std::string reason;       ///< what a server that is there did not do last, and why
+  std::string reason = {};  ///< what a server that is there did not do last, and why
 };
 
 /// A connection to a NATS server, for any number of transports of this process. It begins on its

@@ -59,10 +59,10 @@ struct TANDEM_API NatsOptions {
 
 /// What somebody has said of a cell that is far away. Untrusted.
 struct TANDEM_API CellSummary {
-  Cell cell;
+  Cell cell = {};
   consensus::PeerId from = 0;
   std::uint32_t people = 0;
-  std::vector<std::byte> content;
+  std::vector<std::byte> content = {};
 };
 
 /// A peer that is connected because it is near, and where it has said that its user is.
@@ -72,7 +72,7 @@ struct TANDEM_API NearPeer {
 };
 
 struct TANDEM_API NatsStatus {
-  HubStatus hub;
+  HubStatus hub = {};
   double hears = 0.0;                  ///< m: whom this peer connects to now
   std::size_t limit = 0;               ///< so many of them at most, see CellOptions::max_near
   std::size_t met = 0;                 ///< connected to, or about to be

@@ -44,9 +44,9 @@ TANDEM_API LinkOptions network_profile(int number);
 
 /// A network as people have them at home and on the way, as its user sees it.
 struct TANDEM_API NamedNetwork {
-  std::string_view name;
-  LinkOptions up;    ///< from him to the others
-  LinkOptions down;  ///< from the others to him
+  std::string_view name = {};
+  LinkOptions up = {};    ///< from him to the others
+  LinkOptions down = {};  ///< from the others to him
 };
 /// wifi: stalls of up to 2 s. swollen: a buffer that fills to 1 s where more than 128 kbit/s are
 /// sent. lopsided: 200 ms there and 20 ms back. bursts: 5 % lost, in bursts.
