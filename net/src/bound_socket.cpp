@@ -4,9 +4,9 @@
 
 #include <asio/buffer.hpp>
 #include <asio/ip/v6_only.hpp>
-#include <system_error>
 
 #include "datagram_batch.h"
+#include "socket_error.h"
 
 namespace tandem::net {
 
@@ -27,9 +27,8 @@ BoundSocket::BoundSocket(asio::io_context& context, const UdpOptions& options) :
   if (!error) socket_.non_blocking(true, error);
   if (!error) port_ = socket_.local_endpoint(error).port();
   if (error) {
-    throw std::system_error(
-        error.value(), std::system_category(),
-        "UdpTransport: cannot bind " + to_string(HostPort{options.address, options.port}));
+    throw socket_error(
+        error, "UdpTransport: cannot bind " + to_string(HostPort{options.address, options.port}));
   }
   // Refused sizes cost packets in bursts, nothing else.
   socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer), error);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "loopback.h"
+#include "socket_error.h"
 
 namespace tandem::net {
 
@@ -44,10 +45,9 @@ void TcpListener::listen(const TcpOptions& options) {
   if (!error) acceptor_.non_blocking(true, error);
   if (!error) port_ = acceptor_.local_endpoint(error).port();
   if (error) {
-    // The library's own category would not compare equal to std::errc.
-    throw std::system_error(error.value(), std::system_category(),
-                            "TcpTransport: cannot listen on " +
-                                to_string(HostPort{options.listen_address, *options.listen_port}));
+    throw socket_error(error,
+                       "TcpTransport: cannot listen on " +
+                           to_string(HostPort{options.listen_address, *options.listen_port}));
   }
   accept();
 }

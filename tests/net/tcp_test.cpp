@@ -180,7 +180,8 @@ TEST_CASE("tcp: peers that dial each other keep one connection", "[net][socket]"
     TcpTransport a(for_a);
     REQUIRE(eventually([&] { return linked(a, b); }));
     // And the two ends of one connection.
-    CHECK(eventually([&] { return linked(a, b) && descriptors() == unconnected + 2; }));
+    const int ends = raw::LeakCheck::kCounts ? 2 : 0;
+    CHECK(eventually([&] { return linked(a, b) && descriptors() == unconnected + ends; }));
     REQUIRE(eventually([&] { return a.post(2, raw::le(5, 8), Delivery::Reliable); }));
     REQUIRE(eventually([&] { return b.post(1, raw::le(6, 8), Delivery::Reliable); }));
     CHECK(raw::receive(b, 1).size() == 1);

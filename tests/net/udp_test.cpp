@@ -218,8 +218,10 @@ TEST_CASE("udp: a live session under junk, oversized datagrams, questions and re
   CHECK(a.strangers().challenged + a.strangers().limited > 100);
   CHECK(a.strangers().bad_proof == 0);
   if (!filtered) CHECK(a.strangers().malformed > 1000);
+#ifdef __linux__
   // What begins like a packet came so far once in 65536 times only.
   if (filtered) CHECK(a.strangers().unknown < 10);
+#endif
 }
 
 TEST_CASE("udp: one address is enough to meet all, and all have one time", "[net][socket][clock]") {

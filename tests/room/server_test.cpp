@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "support/web_client.h"
 #include "server/room_server.h"
 #include "support/catch.h"
 #include "support/hostile_requests.h"
+#include "support/web_client.h"
 
 namespace tandem::room::room_server_test {
 namespace {
