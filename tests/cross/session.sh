@@ -8,6 +8,8 @@
 #   tests/cross/session.sh FOLDER..    of programs: build/release/bin, build/windows/bin, build/arm64/bin
 # Folders that are not there are left out; one alone is taken twice. Exits with 77 where nothing is there.
 set -euo pipefail
+# Names of files with letters of all kinds must do on all systems.
+export LC_ALL=C.UTF-8
 
 folder=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT
@@ -44,7 +46,7 @@ for bin in "${bins[@]}"; do
   [[ $peer -ne 1 ]] || way=(--listen "$port")
   [[ $peer -ne 2 ]] || way+=(--trace "$folder/trace")
   command=$(runner "$bin" cubes)
-  $command "${way[@]}" --peer-id "$peer" "${common[@]}" --json "$folder/$peer.json" &
+  $command "${way[@]}" --peer-id "$peer" "${common[@]}" --json "$folder/größe_$peer.json" &
 done
 
 status=0
@@ -57,7 +59,7 @@ import json, sys
 folder, bins = sys.argv[1], sys.argv[2:]
 wrong = False
 for peer, where in enumerate(bins, 1):
-    result = json.load(open(f"{folder}/{peer}.json"))
+    result = json.load(open(f"{folder}/größe_{peer}.json"))
     resting, moving = result["divergence_resting_m"], result["divergence_moving_m"]
     lifted = result["outcome"][f"peer_{peer}"]["plate_lifted_m"]
     print(f"{where}: apart at rest {1e3 * resting['p50']:.4f} mm (p95 {1e3 * resting['p95']:.3f}), "
