@@ -23,6 +23,7 @@ if(TANDEM_WERROR)
 elseif(NOT PROJECT_IS_TOP_LEVEL)
   # That of a project around it is meant for its own sources.
   add_compile_options(-Wno-error)
+  set(CMAKE_COMPILE_WARNING_AS_ERROR OFF)
 endif()
 
 if(TANDEM_SANITIZE)

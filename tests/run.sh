@@ -27,7 +27,7 @@ if [[ -n $target && ${1-} == --quick ]]; then
   quick=(pbd_threads_test scene_files_test obj_test net_test net_protocol_test c_test)
   names=$(IFS='|' && echo "${quick[*]}")
   set -- -R "^($names|cross_session)$" "$@"
-  quick+=(cubes tandem-key)
+  quick+=(cubes tandem-key tandem-replay)
 fi
 
 if [[ -z $target ]]; then

@@ -18,6 +18,10 @@ esac
 
 bash bindings/web/fetch-sources.sh build/web_sources >&2
 sysroot=$PWD/build/sysroot/$target
+if [[ $sysroot == *[[:space:]]* ]]; then
+  echo "sysroot.sh: libsodium cannot be built below a folder with white space in its name: $sysroot" >&2
+  exit 1
+fi
 mkdir -p "$sysroot/include" "$sysroot/lib/pkgconfig"
 # Compilers for other systems must not see the C library's headers, which lie beside these.
 for header in asio asio.hpp boost catch2 nlohmann tiny_gltf.h \
@@ -31,7 +35,8 @@ Version: $(pkg-config --modversion tomlplusplus)
 Cflags: -I$sysroot/include
 PC
 
-[[ ! -f $sysroot/lib/libsodium.a ]] || exit 0
+# Its last file, with the folder in it.
+! grep -qsxF "prefix=$sysroot" "$sysroot/lib/pkgconfig/libsodium.pc" || exit 0
 build=$(mktemp -d)
 trap 'rm -rf "$build"' EXIT
 # The thread model of the compiler that has std::thread.

@@ -23,6 +23,10 @@ BoundSocket::BoundSocket(asio::io_context& context, const UdpOptions& options) :
   const Endpoint endpoint(address, options.port);
   if (!error) socket_.open(endpoint.protocol(), error);
   if (!error && is_v6_) socket_.set_option(asio::ip::v6_only(false), error);
+#ifdef _WIN32  // where another program could ask to share it
+  using OwnPort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
+  if (!error) socket_.set_option(OwnPort(true), error);
+#endif
   if (!error) socket_.bind(endpoint, error);
   if (!error) socket_.non_blocking(true, error);
   if (!error) port_ = socket_.local_endpoint(error).port();

@@ -47,7 +47,7 @@ std::string to_string(const HostPort& address) {
 class __attribute__((visibility("hidden"))) StopSignal::Impl {
  public:
   Impl() : signals_(context_, SIGINT, SIGTERM) {
-#ifdef SIGBREAK  // Ctrl+Break, and on Windows a console that is closed
+#ifdef SIGBREAK  // Ctrl+Break on Windows
     signals_.add(SIGBREAK);
 #endif
     signals_.async_wait([this](const std::error_code& error, int) {

@@ -176,6 +176,12 @@ static void a_wrong_file_names_its_fault(void) {
   CHECK(strncmp(error.text, "c_files_test.json: /bodies/0/shape", 34) == 0);
   CHECK(strstr(error.text, "radius must be > 0") != NULL && strstr(error.text, "is -1") != NULL);
   CHECK(remove("c_files_test.json") == 0); /* paths of Windows have 260 characters at most */
+  /* A text that is cut ends with a whole letter, here of two bytes. */
+  char long_name[601] = "x";
+  for (int i = 0; i < 299; ++i) strcat(long_name, "\xc3\xa4");
+  CHECK(tandem_scene_load(long_name, &def, NULL, &error) == NULL);
+  const size_t length = strlen(error.text);
+  CHECK(length >= 254 && (error.text[length - 1] & 0x7f) == 0x24);
   CHECK(tandem_scene_load("there_is_none.json", &def, NULL, &error) == NULL);
   CHECK(error.result == TANDEM_INVALID_ARGUMENT &&
         strstr(error.text, "there_is_none.json") != NULL);

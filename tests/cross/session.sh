@@ -6,22 +6,24 @@
 # the first and user B at the second. What one lifts is lifted at all, at rest all have it within 1 mm, and what the
 # second went through runs again at the first, bit for bit.
 #   tests/cross/session.sh FOLDER..    of programs: build/release/bin, build/windows/bin, build/arm64/bin
-# Folders that are not there are left out; one alone is taken twice. Exits with 77 where nothing is there.
+# Folders that are not there are left out; one alone is taken twice. They are not built here: old ones may not agree. Exits with 77 where nothing is there.
 set -euo pipefail
 # Names of files with letters of all kinds must do on all systems.
 export LC_ALL=C.UTF-8
+# Not in the home folder.
+export WINEPREFIX=${WINEPREFIX:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/build/wine} WINEDEBUG=-all
 
 folder=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT
 
-# The command that runs a program of a folder.
+# Sets `run` to the command that runs a program of a folder.
 runner() {
   if [[ -f $1/$2.exe ]]; then
-    echo "wine $1/$2.exe"
-  elif [[ $1 == *arm64* ]]; then
-    echo "qemu-aarch64 -L /usr/aarch64-linux-gnu $1/$2"
+    run=(wine "$1/$2.exe")
+  elif [[ $(od -An -tx1 -j18 -N2 "$1/$2") == ' b7 00' ]]; then  # the machine of an ELF file: AArch64
+    run=(qemu-aarch64 -L /usr/aarch64-linux-gnu "$1/$2")
   else
-    echo "$1/$2"
+    run=("$1/$2")
   fi
 }
 
@@ -35,8 +37,8 @@ if [[ ${#bins[@]} -eq 0 ]]; then
 fi
 [[ ${#bins[@]} -gt 1 ]] || bins+=("${bins[0]}")
 
-command=$(runner "${bins[0]}" tandem-key)
-(umask 077 && $command | tr -d '\r' >"$folder/key")
+runner "${bins[0]}" tandem-key
+(umask 077 && "${run[@]}" | tr -d '\r' >"$folder/key")
 port=$((20000 + $$ % 10000))
 common=(--key "$folder/key" --seconds 14 --wait 60 --print nothing)
 peer=0
@@ -45,8 +47,8 @@ for bin in "${bins[@]}"; do
   way=(--connect "127.0.0.1:$port")
   [[ $peer -ne 1 ]] || way=(--listen "$port")
   [[ $peer -ne 2 ]] || way+=(--trace "$folder/trace")
-  command=$(runner "$bin" cubes)
-  $command "${way[@]}" --peer-id "$peer" "${common[@]}" --json "$folder/größe_$peer.json" &
+  runner "$bin" cubes
+  "${run[@]}" "${way[@]}" --peer-id "$peer" "${common[@]}" --json "$folder/größe_$peer.json" &
 done
 
 status=0
@@ -67,6 +69,6 @@ for peer, where in enumerate(bins, 1):
     wrong |= resting["p50"] > 1e-3 or moving["count"] < 500 or lifted < 0.15
 sys.exit(wrong)
 PYTHON
-command=$(runner "${bins[0]}" tandem-replay)
-$command "$folder/trace" || status=1
+runner "${bins[0]}" tandem-replay
+"${run[@]}" "$folder/trace" || status=1
 exit $status

@@ -30,6 +30,13 @@ internal static class QueryTest {
       filter.Accept = collider => collider == second;
       Check.That(query.Ray(Vec3.Zero, forward, 100, hits, filter) == 1 && hits[0].Body == far,
                  "what is not accepted is not seen");
+      filter.Accept = collider => {
+        var all = QueryFilter.Default;
+        all.Accept = any => true;
+        return query.Ray(Vec3.Zero, forward, 100, out hit, all) && hit.Collider == collider;
+      };
+      Check.That(query.Ray(Vec3.Zero, forward, 100, hits, filter) == 1 && hits[0].Body == near,
+                 "a filter asks the same query");
       filter.Accept = collider => throw new InvalidCastException("no");
       Check.Throws<InvalidOperationException>(
           () => query.Ray(Vec3.Zero, forward, 100, hits, filter), "a filter that throws");

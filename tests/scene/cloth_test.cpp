@@ -272,6 +272,8 @@ TEST_CASE("cloth: tethers keep what hangs from stretching", "[scene][invariant]"
 TEST_CASE("cloth: refuses what cannot be, by name", "[scene][input]") {
   Scene scene;
   const auto refused = [&](const ClothDef& def) { return refusal([&] { Cloth(scene, def); }); };
+  CHECK(names(refused({.pose = {.orientation = Quat(1.0, 0.0, 0.0, 1.0)}}), "pose.orientation",
+              "1.41", "unit norm"));
   CHECK(names(refused({.width = 0.0}), "width", "0", "> 0"));
   CHECK(names(refused({.height = -1.0}), "height", "-1", "> 0"));
   CHECK(names(refused({.columns = 1}), "columns", "1", "from 2"));

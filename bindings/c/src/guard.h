@@ -15,10 +15,17 @@
 
 namespace tandem::c {
 
+/// How much of a text in UTF-8 fits: no letter is cut.
+inline std::size_t whole_letters(std::string_view text, std::size_t room) {
+  if (text.size() <= room) return text.size();
+  while (room > 0 && (static_cast<unsigned char>(text[room]) & 0xc0) == 0x80) --room;
+  return room;
+}
+
 inline tandem_result report(tandem_error* error, tandem_result result, std::string_view text) {
   if (error != nullptr) {
     error->result = result;
-    const std::size_t length = std::min(text.size(), sizeof error->text - 1);
+    const std::size_t length = whole_letters(text, sizeof error->text - 1);
     std::copy_n(text.data(), length, error->text);
     error->text[length] = '\0';
   }

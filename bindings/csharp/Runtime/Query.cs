@@ -65,7 +65,7 @@ public sealed unsafe class Query : IDisposable {
   /// <param name="maxDistance">m, > 0</param>
   public int Ray(Vec3 origin, Vec3 direction, double maxDistance, QueryHit[] into,
                  QueryFilter? filter = null) {
-    var native = Begin(filter);
+    var native = Begin(filter, out var outer);
     UIntPtr count;
     NativeError error;
     Result result;
@@ -73,14 +73,14 @@ public sealed unsafe class Query : IDisposable {
       result = Native.tandem_query_ray(handle, origin, direction, maxDistance, &native, hits,
                                        Capacity(into), &count, &error);
     }
-    return End(result, count, ref error);
+    return End(result, count, ref error, outer);
   }
 
   /// <summary>The nearest hit of a ray.</summary>
   public bool Ray(Vec3 origin, Vec3 direction, double maxDistance, out QueryHit hit,
                   QueryFilter? filter = null) {
     hit = default(QueryHit);
-    var native = Begin(filter);
+    var native = Begin(filter, out var outer);
     UIntPtr count;
     NativeError error;
     Result result;
@@ -88,7 +88,7 @@ public sealed unsafe class Query : IDisposable {
       result = Native.tandem_query_ray(handle, origin, direction, maxDistance, &native, into,
                                        (UIntPtr)1, &count, &error);
     }
-    if (End(result, count, ref error) > 0) return true;
+    if (End(result, count, ref error, outer) > 0) return true;
     hit = default(QueryHit);
     return false;
   }
@@ -97,7 +97,7 @@ public sealed unsafe class Query : IDisposable {
   public int Cast(Shape shape, Pose start, Vec3 displacement, QueryHit[] into,
                   QueryFilter? filter = null) {
     if (shape == null) throw new ArgumentNullException(nameof(shape));
-    var native = Begin(filter);
+    var native = Begin(filter, out var outer);
     UIntPtr count;
     NativeError error;
     Result result;
@@ -107,14 +107,14 @@ public sealed unsafe class Query : IDisposable {
       result = Native.tandem_query_cast(handle, &asked, &start, displacement, &native, hits,
                                         Capacity(into), &count, &error);
     }
-    return End(result, count, ref error);
+    return End(result, count, ref error, outer);
   }
 
   /// <summary>What is nearest, no further than `maxDistance` (m, >= 0).</summary>
   /// <param name="shape">convex; null: a point</param>
   public int Closest(Shape shape, Pose pose, double maxDistance, QueryHit[] into,
                      QueryFilter? filter = null) {
-    var native = Begin(filter);
+    var native = Begin(filter, out var outer);
     UIntPtr count;
     NativeError error;
     Result result;
@@ -125,14 +125,14 @@ public sealed unsafe class Query : IDisposable {
                                            maxDistance, &native, hits, Capacity(into), &count,
                                            &error);
     }
-    return End(result, count, ref error);
+    return End(result, count, ref error, outer);
   }
 
   /// <summary>What shares a point with the shape, in ascending order.</summary>
   /// <param name="shape">convex</param>
   public int Overlap(Shape shape, Pose pose, ColliderId[] into, QueryFilter? filter = null) {
     if (shape == null) throw new ArgumentNullException(nameof(shape));
-    var native = Begin(filter);
+    var native = Begin(filter, out var outer);
     UIntPtr count;
     NativeError error;
     Result result;
@@ -142,13 +142,20 @@ public sealed unsafe class Query : IDisposable {
       result = Native.tandem_query_overlap(handle, &asked, &pose, &native, colliders,
                                            Capacity(into), &count, &error);
     }
-    return End(result, count, ref error);
+    return End(result, count, ref error, outer);
   }
 
   private static UIntPtr Capacity(Array into) => (UIntPtr)(into == null ? 0 : into.Length);
 
-  private NativeQueryFilter Begin(QueryFilter? filter) {
+  // A filter's Accept may ask the same query again.
+  private struct Asking {
+    public Func<ColliderId, bool> Accept;
+    public Exception Failure;
+  }
+
+  private NativeQueryFilter Begin(QueryFilter? filter, out Asking outer) {
     var from = filter ?? QueryFilter.Default;
+    outer = new Asking {Accept = accept, Failure = failure};
     accept = from.Accept;
     failure = null;
     return new NativeQueryFilter {Category = from.Category,
@@ -161,10 +168,10 @@ public sealed unsafe class Query : IDisposable {
                                   User = GCHandle.ToIntPtr(handle.User)};
   }
 
-  private int End(Result result, UIntPtr count, ref NativeError error) {
-    accept = null;
+  private int End(Result result, UIntPtr count, ref NativeError error, Asking outer) {
+    accept = outer.Accept;
     var thrown = failure;
-    failure = null;
+    failure = outer.Failure;
     if (thrown != null) {
       throw new InvalidOperationException("QueryFilter.Accept has thrown", thrown);
     }

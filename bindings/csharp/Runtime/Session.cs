@@ -106,13 +106,18 @@ public sealed unsafe class Session : IDisposable {
   /// <param name="beforeStep">called with the session time at which a step begins: to move hands,
   /// push, read messages. Keep the delegate: a new one in each frame is for the collector.</param>
   public Progress Advance(long nowNs, Action<long> beforeStep = null) {
+    var outer = calls.OnStep;  // where it is called from within itself, which is refused
     calls.OnStep = beforeStep;
     Progress progress;
     NativeError error;
-    var result = Native.tandem_session_advance(
-        handle, nowNs, beforeStep == null ? IntPtr.Zero : SessionCalls.BeforeStepPointer,
-        GCHandle.ToIntPtr(handle.User), &progress, &error);
-    calls.OnStep = null;
+    Result result;
+    try {
+      result = Native.tandem_session_advance(
+          handle, nowNs, beforeStep == null ? IntPtr.Zero : SessionCalls.BeforeStepPointer,
+          GCHandle.ToIntPtr(handle.User), &progress, &error);
+    } finally {
+      calls.OnStep = outer;
+    }
     Check(result, ref error);
     return progress;
   }

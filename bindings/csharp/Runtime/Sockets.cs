@@ -159,6 +159,9 @@ internal sealed unsafe class NativeMemory : IDisposable {
     var trusted = (NativeTrusted*)Block(from.Trusted.Count * sizeof(NativeTrusted));
     var count = 0;
     foreach (var pair in from.Trusted) {
+      if (pair.Value == null) {
+        throw new ArgumentException("Trusted[" + pair.Key + "] must be a key, is null");
+      }
       trusted[count++] = new NativeTrusted {Peer = pair.Key, PublicKey = pair.Value.Value};
     }
     var certificate = from.Certificate;

@@ -26,6 +26,8 @@ void check(const ClothDef& def) {
   const auto at_least_zero = [&](double value, const char* field) {
     require(value >= 0.0 && std::isfinite(value), kKind, field, value, "finite and >= 0");
   };
+  require(std::abs(def.pose.orientation.norm() - 1.0) <= 1e-3, kKind, "pose.orientation",
+          def.pose.orientation.norm(), "of unit norm within 1e-3");
   above_zero(def.width, "width");
   above_zero(def.height, "height");
   above_zero(def.density, "density");

@@ -29,7 +29,7 @@ tandem_member member_of(const consensus::PeerStatus& peer) {
                        .packets_out = peer.packets_out,
                        .bytes_in = peer.bytes_in,
                        .bytes_out = peer.bytes_out};
-  std::copy_n(peer.reason.data(), std::min(peer.reason.size(), sizeof member.reason - 1),
+  std::copy_n(peer.reason.data(), whole_letters(peer.reason, sizeof member.reason - 1),
               member.reason);
   return member;
 }

@@ -83,7 +83,9 @@ int32_t tandem_session_port(const tandem_session* session) {
 }
 
 int64_t tandem_session_now(tandem_session* session) {
-  return session != nullptr ? session->session->now() : 0;
+  int64_t now = 0;
+  guarded(nullptr, [&] { now = required(session, "session").session->now(); });
+  return now;
 }
 
 tandem_result tandem_session_advance(tandem_session* session, int64_t now_ns,

@@ -15,7 +15,7 @@ net::TcpOptions tcp_options(const tandem_tcp_def& def) {
   net::TcpOptions options;
   options.self = def.self;
   options.scene_hash = def.scene_hash;
-  if (def.listen_port < -1) {
+  if (def.listen_port < -1 || def.listen_port > 65535) {
     pbd::detail::refuse("listen_port", "from -1 to 65535", std::to_string(def.listen_port));
   }
   if (def.listen_port >= 0) options.listen_port = port_of("listen_port", def.listen_port);

@@ -163,7 +163,7 @@ TANDEM_C_API tandem_result tandem_world_set_gravity(tandem_world* world, tandem_
                                                     tandem_error* error);
 /** Equal bits, equal hash. */
 TANDEM_C_API uint64_t tandem_world_hash(const tandem_world* world);
-/** Everything that the next step and its events depend on.
+/** Everything that the next step and its events depend on; not the footing and jump of a character.
  * @param size  in: bytes of `buffer`, out: needed */
 TANDEM_C_API tandem_result tandem_world_snapshot(const tandem_world* world, void* buffer,
                                                  size_t* size, tandem_error* error);
