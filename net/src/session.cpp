@@ -89,7 +89,7 @@ class __attribute__((visibility("hidden"))) StopSignal::Impl {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   bool requested_ = false;
-  TimerResolution timer_resolution_;
+  [[maybe_unused]] TimerResolution timer_resolution_;
   asio::io_context context_{1};
   asio::signal_set signals_;
   std::thread thread_;

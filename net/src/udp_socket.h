@@ -18,6 +18,7 @@
 #include "datagram_batch.h"
 #include "flood_gauge.h"
 #include "tandem/net/udp.h"
+#include "timer_resolution.h"
 #include "udp_node.h"
 
 namespace tandem::net {
@@ -71,6 +72,7 @@ class UdpSocket {
 
   const UdpOptions options_;
   std::mutex mutex_;  // of the node and the lookups, held for memory and arithmetic only
+  [[maybe_unused]] TimerResolution timer_resolution_;
   asio::io_context context_{1};
   BoundSocket socket_;
   UdpNode node_;
