@@ -24,7 +24,7 @@ case $platform in
 esac
 if [[ -n $target && ${1-} == --quick ]]; then
   shift
-  quick=(pbd_threads_test scene_files_test obj_test net_test net_protocol_test c_test)
+  quick=(pbd_threads_test scene_files_test obj_test net_test c_test c_session_test)
   names=$(IFS='|' && echo "${quick[*]}")
   set -- -R "^($names|cross_session)$" "$@"
   quick+=(cubes tandem-key tandem-replay)
