@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "page_server/access.h"
+#include "page_server/own_port.h"
 #include "page_server/request.h"
 #include "tandem/pbd/cpu_timer.h"
 #include "tandem/pbd/validate.h"
@@ -17,14 +18,6 @@ namespace {
 namespace asio = boost::asio;
 using Tcp = asio::ip::tcp;
 using Error = boost::system::error_code;
-
-// A program that starts again gets its port; on Windows without that, and "reuse" would share it
-// with others.
-#ifdef _WIN32
-using OwnPort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
-#else
-using OwnPort = asio::socket_base::reuse_address;
-#endif
 
 constexpr std::chrono::milliseconds kAcceptAgain{100};
 

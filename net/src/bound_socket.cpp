@@ -6,6 +6,7 @@
 #include <asio/ip/v6_only.hpp>
 
 #include "datagram_batch.h"
+#include "own_port.h"
 #include "socket_error.h"
 
 namespace tandem::net {
@@ -23,8 +24,7 @@ BoundSocket::BoundSocket(asio::io_context& context, const UdpOptions& options) :
   const Endpoint endpoint(address, options.port);
   if (!error) socket_.open(endpoint.protocol(), error);
   if (!error && is_v6_) socket_.set_option(asio::ip::v6_only(false), error);
-#ifdef _WIN32  // where another program could ask to share it
-  using OwnPort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
+#ifdef _WIN32  // elsewhere two sockets for datagrams share no port unless both ask for it
   if (!error) socket_.set_option(OwnPort(true), error);
 #endif
   if (!error) socket_.bind(endpoint, error);

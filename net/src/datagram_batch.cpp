@@ -25,10 +25,11 @@ namespace tandem::net {
 
 class DatagramBatch::Impl {
  public:
+  Impl();
   Read read(NativeSocket socket);
 
   std::size_t count = 0;
-  std::array<std::size_t, kCount> lengths{};  ///< bytes, of a datagram that was cut as well
+  std::array<std::size_t, kCount> lengths{};  ///< bytes
   std::array<sockaddr_storage, kCount> names{};
   std::array<std::array<std::byte, kBytes>, kCount> memory{};
 
@@ -36,27 +37,32 @@ class DatagramBatch::Impl {
   Read read_each(NativeSocket socket);
 #ifdef __linux__
   bool many_ = true;
+  std::array<mmsghdr, kCount> messages_{};
+  std::array<iovec, kCount> parts_{};
 #endif
 };
+
+DatagramBatch::Impl::Impl() {
+#ifdef __linux__
+  for (std::size_t i = 0; i < kCount; ++i) {
+    parts_[i] = {.iov_base = memory[i].data(), .iov_len = kBytes};
+    msghdr& header = messages_[i].msg_hdr;
+    header.msg_name = &names[i];
+    header.msg_iov = &parts_[i];
+    header.msg_iovlen = 1;
+  }
+#endif
+}
 
 DatagramBatch::Read DatagramBatch::Impl::read(NativeSocket socket) {
   count = 0;
 #ifdef __linux__
   if (many_) {
-    std::array<mmsghdr, kCount> messages{};
-    std::array<iovec, kCount> parts{};
-    for (std::size_t i = 0; i < kCount; ++i) {
-      parts[i] = {.iov_base = memory[i].data(), .iov_len = kBytes};
-      msghdr& header = messages[i].msg_hdr;
-      header.msg_name = &names[i];
-      header.msg_namelen = sizeof names[i];
-      header.msg_iov = &parts[i];
-      header.msg_iovlen = 1;
-    }
-    const int got = ::recvmmsg(socket, messages.data(), kCount, MSG_DONTWAIT, nullptr);
+    for (mmsghdr& message : messages_) message.msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+    const int got = ::recvmmsg(socket, messages_.data(), kCount, MSG_DONTWAIT, nullptr);
     if (got >= 0) {
       count = static_cast<std::size_t>(got);
-      for (std::size_t i = 0; i < count; ++i) lengths[i] = messages[i].msg_len;
+      for (std::size_t i = 0; i < count; ++i) lengths[i] = messages_[i].msg_len;
       return count > 0 ? Read::Some : Read::Nothing;
     }
     if (errno == EAGAIN || errno == EWOULDBLOCK) return Read::Nothing;
@@ -91,8 +97,7 @@ DatagramBatch::Read DatagramBatch::read(NativeSocket socket) { return impl_->rea
 std::size_t DatagramBatch::size() const { return impl_->count; }
 
 std::span<const std::byte> DatagramBatch::bytes(std::size_t index) const {
-  const std::size_t length = impl_->lengths[index];
-  return std::span(impl_->memory[index]).first(std::min(length, kBytes));
+  return std::span(impl_->memory[index]).first(impl_->lengths[index]);
 }
 
 Address DatagramBatch::from(std::size_t index) const {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "loopback.h"
+#include "own_port.h"
 #include "socket_error.h"
 
 namespace tandem::net {
@@ -16,14 +17,6 @@ namespace {
 
 // After accept() has failed, as for want of descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
-
-// A restarted peer must get its port although connections of its predecessor linger. On Windows it
-// does, and "reuse" would let any other program take the port away.
-#ifdef _WIN32
-using OwnPort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
-#else
-using OwnPort = asio::socket_base::reuse_address;
-#endif
 
 }  // namespace
 

@@ -3,7 +3,7 @@
 # Copyright (c) 2026 The Tandem authors
 #
 # One session of processes of different systems on this machine: the demo `cubes` over UDP, encrypted, with user A at
-# the first and user B at the second. What one lifts is lifted at all, at rest all have it within 1 mm, and what the
+# the first and user B at the second. What one lifts is lifted at all, at rest 19 of 20 samples of all are within 1 mm, and what the
 # second went through runs again at the first, bit for bit.
 #   tests/cross/session.sh FOLDER..    of programs: build/release/bin, build/windows/bin, build/arm64/bin
 # Folders that are not there are left out; one alone is taken twice. They are not built here: old ones may not agree. Exits with 77 where nothing is there.
@@ -66,7 +66,7 @@ for peer, where in enumerate(bins, 1):
     lifted = result["outcome"][f"peer_{peer}"]["plate_lifted_m"]
     print(f"{where}: apart at rest {1e3 * resting['p50']:.4f} mm (p95 {1e3 * resting['p95']:.3f}), "
           f"moving {1e3 * moving['p50']:.2f} mm ({moving['count']} samples), lifted {lifted:.2f} m")
-    wrong |= resting["p50"] > 1e-3 or moving["count"] < 500 or lifted < 0.15
+    wrong |= resting["p95"] > 1e-3 or moving["count"] < 500 or lifted < 0.15
 sys.exit(wrong)
 PYTHON
 runner "${bins[0]}" tandem-replay

@@ -15,6 +15,8 @@
 #include <thread>
 #include <utility>
 
+#include "page_server/own_port.h"
+
 namespace tandem::demos {
 
 namespace {
@@ -24,14 +26,6 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using Tcp = asio::ip::tcp;
 using Error = boost::system::error_code;
-
-// A program that starts again gets its port; on Windows without that, and "reuse" would share it
-// with others.
-#ifdef _WIN32
-using OwnPort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
-#else
-using OwnPort = asio::socket_base::reuse_address;
-#endif
 
 constexpr std::chrono::seconds kPatience{2};  // from the first byte of a request to the last answer
 constexpr std::size_t kMaxClients = 16;       // at a time; the oldest gives way to a new one
@@ -47,7 +41,7 @@ class MetricsServer::Impl {
     const Tcp::endpoint endpoint(asio::ip::make_address(address, error), port);
     if (!error) acceptor_.open(endpoint.protocol(), error);
     // A server that has just ended is no hindrance; one that runs is.
-    if (!error) acceptor_.set_option(OwnPort(true), error);
+    if (!error) acceptor_.set_option(page_server::OwnPort(true), error);
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
     if (error) {

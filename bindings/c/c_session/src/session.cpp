@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/session.h"
 
+#include <functional>
 #include <string_view>
 
 #include "session_impl.h"
@@ -98,10 +99,12 @@ tandem_result tandem_session_advance(tandem_session* session, int64_t now_ns,
     s.joined.clear();
     s.left.clear();
     s.events.clear();
-    const Progress done = s.session->advance(now, [&](SessionTime time) {
+    // By reference: copied, it would be an allocation in each call.
+    const auto each_step = [&](SessionTime time) {
       s.hear();
       if (before_step != nullptr) before_step(user, time);
-    });
+    };
+    const Progress done = s.session->advance(now, std::cref(each_step));
     if (progress == nullptr) return;
     *progress = {.steps = done.steps,
                  .status = status_of(done.status),
