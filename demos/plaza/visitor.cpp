@@ -53,7 +53,7 @@ net::UdpOptions udp_options(const PlazaOptions& options, consensus::PeerId id,
                             const VisitorLink& link) {
   net::UdpOptions out;
   out.self = id;
-  out.address = "127.0.0.1";
+  out.listen_address = "127.0.0.1";
   out.scene_hash = options.scene_hash();
   out.session_key = plaza_key();
   out.kbit_per_s = 2000.0;

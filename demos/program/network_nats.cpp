@@ -26,8 +26,9 @@ nats::NatsOptions nats_options(const DemoOptions& options, std::uint64_t scene_h
     result.server.servers.push_back(address);
   }
   if (options.listen) {
-    result.server.direct = nats::DirectOptions{
-        .address = result.member.address, .port = *options.listen, .reachable_at = {}};
+    result.server.direct = nats::DirectOptions{.listen_address = result.member.listen_address,
+                                               .listen_port = *options.listen,
+                                               .reachable_at = {}};
   }
   result.cells.max_near = kMaxPeers;
   result.cells.levels = 1;

@@ -28,7 +28,7 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
   net::UdpOptions result;
   result.self = options.peer_id;
   result.scene_hash = scene_hash;
-  result.port = options.listen.value_or(0);
+  result.listen_port = options.listen.value_or(0);
   constexpr double kLink = 2000.0;  // kbit/s, where nothing is said
   result.kbit_per_s = options.budget > 0.0 ? options.budget : kLink;
   result.min_kbit_per_s = std::min(result.min_kbit_per_s, result.kbit_per_s);
@@ -43,7 +43,7 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
     result.connect.push_back(address);
   }
   if (options.insecure) {
-    result.address = "127.0.0.1";
+    result.listen_address = "127.0.0.1";
     result.session_key = known_key();
   } else {
     set_members(options, result);

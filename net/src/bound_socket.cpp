@@ -19,9 +19,9 @@ constexpr int kSocketBuffer = 512 * 1024;  // bytes
 
 BoundSocket::BoundSocket(asio::io_context& context, const UdpOptions& options) : socket_(context) {
   std::error_code error;
-  const auto address = asio::ip::make_address(options.address, error);
+  const auto address = asio::ip::make_address(options.listen_address, error);
   is_v6_ = address.is_v6();
-  const Endpoint endpoint(address, options.port);
+  const Endpoint endpoint(address, options.listen_port);
   if (!error) socket_.open(endpoint.protocol(), error);
   if (!error && is_v6_) socket_.set_option(asio::ip::v6_only(false), error);
 #ifdef _WIN32  // elsewhere two sockets for datagrams share no port unless both ask for it
@@ -31,8 +31,8 @@ BoundSocket::BoundSocket(asio::io_context& context, const UdpOptions& options) :
   if (!error) socket_.non_blocking(true, error);
   if (!error) port_ = socket_.local_endpoint(error).port();
   if (error) {
-    throw socket_error(
-        error, "UdpTransport: cannot bind " + to_string(HostPort{options.address, options.port}));
+    throw socket_error(error, "UdpTransport: cannot bind " +
+                                  to_string(HostPort{options.listen_address, options.listen_port}));
   }
   // Refused sizes cost packets in bursts, nothing else.
   socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer), error);

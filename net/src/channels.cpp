@@ -22,7 +22,7 @@ Channels::Channels(const ChannelOptions& options, std::size_t max_datagram)
       reliable_(options.reliable_queue_bytes, options.max_message_bytes),
       max_datagram_(max_datagram),
       mtu_(max_datagram),
-      inbox_(options.inbox_bytes, options.max_message_bytes) {}
+      inbox_(options.receive_queue_bytes, options.max_message_bytes) {}
 
 bool Channels::post_state(std::span<const std::byte> state, std::size_t room, std::int64_t now) {
   if (kChannelHeader + kStateHeader + state.size() > room) return false;

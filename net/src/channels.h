@@ -22,11 +22,11 @@
 namespace tandem::net {
 
 struct ChannelOptions {
-  std::size_t state_queue_bytes = 64 * 1024;       ///< waiting to be sent; the oldest go first
-  std::int64_t state_life = 200'000'000;           ///< ns; older ones are not sent any more
-  std::size_t reliable_queue_bytes = 1024 * 1024;  ///< waiting or not acknowledged
-  std::size_t max_message_bytes = 64 * 1024;       ///< of a reliable message
-  std::size_t inbox_bytes = 4 * 1024 * 1024;       ///< of either kind, not drained
+  std::size_t state_queue_bytes = 64 * 1024;          ///< waiting to be sent; the oldest go first
+  std::int64_t state_life = 200'000'000;              ///< ns; older ones are not sent any more
+  std::size_t reliable_queue_bytes = 1024 * 1024;     ///< waiting or not acknowledged
+  std::size_t max_message_bytes = 64 * 1024;          ///< of a reliable message
+  std::size_t receive_queue_bytes = 4 * 1024 * 1024;  ///< of either kind, not drained
 };
 
 /// The two channels of one connection and the acknowledgements that both of them need: states that

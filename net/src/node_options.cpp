@@ -34,7 +34,7 @@ UdpNodeOptions node_options(const UdpOptions& options) {
   link.channels.state_queue_bytes = options.state_queue_bytes;
   link.channels.reliable_queue_bytes = options.reliable_queue_bytes;
   link.channels.max_message_bytes = options.max_message_bytes;
-  link.channels.inbox_bytes = options.inbox_bytes;
+  link.channels.receive_queue_bytes = options.receive_queue_bytes;
   link.congestion = {.min_kbit = options.min_kbit_per_s, .max_kbit = options.kbit_per_s};
   link.max_datagram = options.max_datagram;
   link.idle_timeout = nanoseconds(options.idle_timeout);

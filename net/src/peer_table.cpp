@@ -143,7 +143,7 @@ PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello
   record->status.role = member.role;
   record->link = link;
   record->ticket = ticket;
-  record->max_payload = std::min(hello.max_frame_bytes, options_.max_frame_bytes);
+  record->max_payload = std::min(hello.max_message_bytes, options_.max_message_bytes);
   record->wake_posted = false;
   record->budget = {};
   record->dropped = false;

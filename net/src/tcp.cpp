@@ -47,13 +47,13 @@ void TcpOptions::validate() const {
       check(is_loopback(address.host), "connect", to_string(address), kRule);
     }
   }
-  check(max_frame_bytes >= 64 && max_frame_bytes <= 16 * kMebi, "max_frame_bytes", max_frame_bytes,
-        "in [64, 16 MiB]");
-  const std::size_t least_queue = 2 * static_cast<std::size_t>(max_frame_bytes);
+  check(max_message_bytes >= 64 && max_message_bytes <= 16 * kMebi, "max_message_bytes",
+        max_message_bytes, "in [64, 16 MiB]");
+  const std::size_t least_queue = 2 * static_cast<std::size_t>(max_message_bytes);
   check(send_queue_bytes >= least_queue, "send_queue_bytes", send_queue_bytes,
-        ">= 2 * max_frame_bytes");
+        ">= 2 * max_message_bytes");
   check(receive_queue_bytes >= least_queue, "receive_queue_bytes", receive_queue_bytes,
-        ">= 2 * max_frame_bytes");
+        ">= 2 * max_message_bytes");
   check(max_peers >= 1 && max_peers <= 1024, "max_peers", max_peers, "in [1, 1024]");
   check(socket_buffer_bytes >= 4096 && socket_buffer_bytes <= 64 * kMebi, "socket_buffer_bytes",
         socket_buffer_bytes, "in [4096, 64 MiB]");

@@ -115,7 +115,7 @@ void TcpHandshake::greet(TcpLink& link) {
       .peer = options_.self,
       .incarnation = options_.incarnation,
       .scene_hash = options_.scene_hash,
-      .max_frame_bytes = options_.max_frame_bytes,
+      .max_message_bytes = options_.max_message_bytes,
       .idle_timeout_ms = static_cast<std::uint32_t>(options_.idle_timeout.count()),
       .listen_port = port_,
   };
@@ -200,7 +200,7 @@ std::optional<PeerTable::AttachResult> TcpHandshake::on_welcome(TcpLink& link,
       std::min(options_.idle_timeout,
                std::chrono::milliseconds(std::max(link.hello.idle_timeout_ms, kMinIdleMs))) /
       4;
-  link.raise_limit(std::max(kMaxControlFrame, options_.max_frame_bytes + kReliableHeader));
+  link.raise_limit(std::max(kMaxControlFrame, options_.max_message_bytes + kReliableHeader));
   return result;
 }
 

@@ -123,9 +123,9 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
 void TcpMesh::on_payload(TcpLink& link, Delivery delivery, std::uint64_t sequence,
                          std::span<const std::byte> bytes) {
   const PeerId peer = link.hello.peer;
-  if (bytes.size() > options_.max_frame_bytes) {
+  if (bytes.size() > options_.max_message_bytes) {
     return on_malformed(link, "payload of " + std::to_string(bytes.size()) + " bytes, at most " +
-                                  std::to_string(options_.max_frame_bytes));
+                                  std::to_string(options_.max_message_bytes));
   }
   switch (table_.deliver(link.serial(), peer, delivery, sequence, bytes, Clock::now())) {
     case PeerTable::Delivered::Ok:

@@ -15,13 +15,13 @@ void UdpOptions::validate() const {
     require(ok, "UdpOptions", field, value, rule);
   };
   check(self != 0, "self", self, "not 0");
-  check(!address.empty(), "address", address, "an address");
+  check(!listen_address.empty(), "listen_address", listen_address, "an address");
   for (const HostPort& peer : connect) {
     check(!peer.host.empty() && peer.port != 0, "connect", to_string(peer), "HOST:PORT");
   }
   // A key is not for error messages.
-  check(session_key != UdpKey{}, "session_key", std::string("zero"), "secret");
-  for (const UdpTrusted& each : trusted) {
+  check(session_key != Key{}, "session_key", std::string("zero"), "secret");
+  for (const TrustedPeer& each : trusted) {
     check(each.peer != 0 && each.peer != self, "trusted", each.peer, "ids of other peers");
   }
   require_credentials(*this, "UdpOptions");
@@ -35,7 +35,7 @@ void UdpOptions::validate() const {
   check(state_queue_bytes >= 2048, "state_queue_bytes", state_queue_bytes, ">= 2048");
   check(reliable_queue_bytes >= 2 * max_message_bytes, "reliable_queue_bytes", reliable_queue_bytes,
         ">= 2 * max_message_bytes");
-  check(inbox_bytes >= 2 * max_message_bytes, "inbox_bytes", inbox_bytes,
+  check(receive_queue_bytes >= 2 * max_message_bytes, "receive_queue_bytes", receive_queue_bytes,
         ">= 2 * max_message_bytes");
   check(max_peers >= 1 && max_peers <= 1024, "max_peers", max_peers, "in [1, 1024]");
   require_times(*this, "UdpOptions");

@@ -12,7 +12,7 @@ void encode(pbd::ByteWriter& writer, const Hello& hello) {
   writer.u64(hello.peer);
   writer.u64(hello.incarnation);
   writer.u64(hello.scene_hash);
-  writer.u32(hello.max_frame_bytes);
+  writer.u32(hello.max_message_bytes);
   writer.u32(hello.idle_timeout_ms);
   writer.u16(hello.listen_port);
 }
@@ -27,7 +27,7 @@ std::optional<Hello> decode_hello(std::span<const std::byte> payload) {
   if (hello.version != kProtocolVersion) return hello;
   hello.incarnation = reader.u64();
   hello.scene_hash = reader.u64();
-  hello.max_frame_bytes = reader.u32();
+  hello.max_message_bytes = reader.u32();
   hello.idle_timeout_ms = reader.u32();
   hello.listen_port = reader.u16();
   if (reader.failed() || reader.remaining() != 0 || hello.incarnation == 0) return {};

@@ -56,7 +56,7 @@ struct Hello {
   PeerId peer = 0;
   std::uint64_t incarnation = 0;
   std::uint64_t scene_hash = 0;
-  std::uint32_t max_frame_bytes = 0;
+  std::uint32_t max_message_bytes = 0;
   std::uint32_t idle_timeout_ms = 0;
   std::uint16_t listen_port = 0;  // 0: does not listen
 };

@@ -140,7 +140,7 @@ static tandem_session* over_udp(tandem_world* world, uint64_t self, const char* 
   tandem_session_def_init(&def);
   tandem_udp_def_init(&udp);
   udp.self = self;
-  udp.address = "127.0.0.1";
+  udp.listen_address = "127.0.0.1";
   udp.connect = there;
   udp.credentials = *credentials;
   return tandem_session_create_udp(world, &udp, &def, error);

@@ -206,7 +206,7 @@ internal static class SessionTest {
   }
 
   private static UdpOptions Udp(ulong self, Key key, Key identity, ulong other, Key trusted) {
-    var options = new UdpOptions {Self = self, Address = "127.0.0.1"};
+    var options = new UdpOptions {Self = self, ListenAddress = "127.0.0.1"};
     options.Credentials.SessionKey = key;
     options.Credentials.Identity = identity;
     options.Credentials.Trusted[other] = trusted;

@@ -18,7 +18,7 @@ constexpr ChannelOptions kOptions{.state_queue_bytes = 4096,
                                   .state_life = 200'000'000,
                                   .reliable_queue_bytes = 8192,
                                   .max_message_bytes = 2048,
-                                  .inbox_bytes = 8192};
+                                  .receive_queue_bytes = 8192};
 
 // A packet of the input: u8 2, u8 gap in numbers, u16 length, bytes.
 void add_packet(const Bytes& plain, Bytes& out) {

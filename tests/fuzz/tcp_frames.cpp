@@ -36,7 +36,7 @@ void run(std::span<const std::byte> input) {
 std::vector<Bytes> seeds() {
   Bytes stream;
   append_frame(stream, FrameType::Hello, [](auto& writer) {
-    encode(writer, Hello{.peer = 3, .incarnation = 5, .scene_hash = 6, .max_frame_bytes = 65536});
+    encode(writer, Hello{.peer = 3, .incarnation = 5, .scene_hash = 6, .max_message_bytes = 65536});
   });
   append_frame(stream, FrameType::Welcome, [](auto& writer) { encode(writer, Welcome{1, 2}); });
   const PeerAddress addresses[] = {{.peer = 4, .ip = {1}, .port = 6},

@@ -28,7 +28,7 @@ namespace {
 net::UdpOptions options(consensus::PeerId self) {
   net::UdpOptions out;
   out.self = self;
-  out.address = "127.0.0.1";
+  out.listen_address = "127.0.0.1";
   out.session_key.fill(7);
   return out;
 }

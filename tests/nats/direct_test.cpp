@@ -18,7 +18,7 @@ using tandem::testing::refusal;
 
 NatsOptions direct_options(std::uint16_t server, PeerId self) {
   NatsOptions out = options_of(server, self);
-  out.server.direct = DirectOptions{.address = "127.0.0.1", .reachable_at = {}};
+  out.server.direct = DirectOptions{.listen_address = "127.0.0.1", .reachable_at = {}};
   return out;
 }
 
@@ -202,8 +202,8 @@ TEST_CASE("nats: an end without UDP is spoken to over the server", "[nats]") {
 
 TEST_CASE("nats: what cannot be of a way by UDP is refused by name", "[nats][fault]") {
   NatsOptions options = direct_options(4222, 1);
-  options.server.direct->address = "nowhere";
-  CHECK(names(refusal([&] { options.validate(); }), "address", "nowhere", "numeric"));
+  options.server.direct->listen_address = "nowhere";
+  CHECK(names(refusal([&] { options.validate(); }), "listen_address", "nowhere", "numeric"));
   options = direct_options(4222, 1);
   options.server.direct->reachable_at = {{"127.0.0.1", 0}};
   CHECK(names(refusal([&] { options.validate(); }), "reachable_at", "127.0.0.1:0", "ports"));

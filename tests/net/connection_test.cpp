@@ -221,7 +221,7 @@ TEST_CASE("connection: memory is bounded whatever the application or the other e
   const ChannelOptions small{.state_queue_bytes = 8 * 1024,
                              .reliable_queue_bytes = 64 * 1024,
                              .max_message_bytes = 16 * 1024,
-                             .inbox_bytes = 32 * 1024};
+                             .receive_queue_bytes = 32 * 1024};
   Pair pair({.delay = 5 * kMs},
             {.channels = small, .congestion = {.min_kbit = 5000, .max_kbit = 10'000}});
   std::uint64_t posted = 0;
@@ -239,7 +239,7 @@ TEST_CASE("connection: memory is bounded whatever the application or the other e
   std::size_t bytes = 0;
   for (const auto& message : all) bytes += message.bytes.size();
   // Both kinds to their limit, and at most a window of pieces that were on their way.
-  CHECK(bytes <= 2 * small.inbox_bytes + kPieceWindow * kMaxPieceBytes);
+  CHECK(bytes <= 2 * small.receive_queue_bytes + kPieceWindow * kMaxPieceBytes);
 
   // And once it drains, all of it comes, in order.
   std::uint64_t next = 0;

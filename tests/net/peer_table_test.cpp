@@ -25,7 +25,7 @@ class Here {
   std::optional<std::uint64_t> join(PeerId peer, std::uint8_t key, bool bound = false) {
     Member member{.bound = bound};
     member.key.fill(key);
-    const Hello hello{.peer = peer, .incarnation = 1, .max_frame_bytes = 1024};
+    const Hello hello{.peer = peer, .incarnation = 1, .max_message_bytes = 1024};
     refusal = table_.refusal(hello, member, now).value_or("");
     ++links;
     const auto result = table_.attach(links, hello, member, {}, links, now);

@@ -160,7 +160,7 @@ TEST_CASE("udp membership: the same over UDP", "[net][socket][fault]") {
     UdpOptions out;
     out.self = self;
     out.scene_hash = 5;
-    out.address = "127.0.0.1";
+    out.listen_address = "127.0.0.1";
     for (const std::uint16_t port : connect) out.connect.push_back({"127.0.0.1", port});
     out.session_key = key(7);
     out.identity = key(static_cast<std::uint8_t>(self));

@@ -38,7 +38,7 @@ raw::Bytes numbered(std::uint64_t number) {
 /// Small everywhere, so that a peer which does not read is felt soon.
 TcpOptions tight(PeerId self) {
   TcpOptions out = options(self);
-  out.max_frame_bytes = 1024;
+  out.max_message_bytes = 1024;
   out.send_queue_bytes = 20 * 1024;
   out.receive_queue_bytes = 20 * 1024;
   out.socket_buffer_bytes = 4096;

@@ -265,8 +265,8 @@ TEST_CASE("tcp: options that cannot work are refused by name", "[net][fault]") {
   refused("self", [](TcpOptions& o) { o.self = 0; });
   refused("listen_address", [](TcpOptions& o) { o.listen_address.clear(); });
   refused("connect", [](TcpOptions& o) { o.connect = {{"host", 0}}; });
-  refused("max_frame_bytes", [](TcpOptions& o) { o.max_frame_bytes = 63; });
-  refused("max_frame_bytes", [](TcpOptions& o) { o.max_frame_bytes = 1u << 25; });
+  refused("max_message_bytes", [](TcpOptions& o) { o.max_message_bytes = 63; });
+  refused("max_message_bytes", [](TcpOptions& o) { o.max_message_bytes = 1u << 25; });
   refused("send_queue_bytes", [](TcpOptions& o) { o.send_queue_bytes = 131071; });
   refused("receive_queue_bytes", [](TcpOptions& o) { o.receive_queue_bytes = 131071; });
   refused("max_peers", [](TcpOptions& o) { o.max_peers = 0; });

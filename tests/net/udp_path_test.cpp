@@ -32,8 +32,8 @@ using tandem::testing::eventually;
 
 namespace {
 
-UdpKey key(std::uint8_t fill) {
-  UdpKey out;
+Key key(std::uint8_t fill) {
+  Key out;
   out.fill(fill);
   return out;
 }
@@ -41,7 +41,7 @@ UdpKey key(std::uint8_t fill) {
 UdpOptions options(PeerId self) {
   UdpOptions out;
   out.self = self;
-  out.address = "127.0.0.1";
+  out.listen_address = "127.0.0.1";
   out.session_key = key(7);
   out.identity = key(static_cast<std::uint8_t>(self));
   for (PeerId peer = 1; peer <= 3; ++peer) {
@@ -174,7 +174,7 @@ TEST_CASE("udp path: peers meet over a way that is no address, and a third one t
   auto [here, there] = Pipe::make();
   UdpTransport a(options(1));
   auto elsewhere = options(2);
-  elsewhere.address = "::1";  // its socket reaches nobody
+  elsewhere.listen_address = "::1";  // its socket reaches nobody
   std::unique_ptr<UdpTransport> b;
   try {
     b = std::make_unique<UdpTransport>(elsewhere);

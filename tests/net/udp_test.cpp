@@ -27,8 +27,8 @@ using tandem::testing::eventually;
 
 namespace {
 
-UdpKey key(std::uint8_t fill) {
-  UdpKey out;
+Key key(std::uint8_t fill) {
+  Key out;
   out.fill(fill);
   return out;
 }
@@ -36,7 +36,7 @@ UdpKey key(std::uint8_t fill) {
 UdpOptions options(PeerId self, const std::vector<std::uint16_t>& dial = {}) {
   UdpOptions out;
   out.self = self;
-  out.address = "127.0.0.1";
+  out.listen_address = "127.0.0.1";
   out.session_key = key(7);
   out.kbit_per_s = 20'000.0;
   for (const std::uint16_t port : dial) out.connect.push_back({"127.0.0.1", port});
@@ -276,13 +276,13 @@ TEST_CASE("udp: names are looked up until they are found, and none holds up the 
 TEST_CASE("udp: a peer with IPv4 alone and one with IPv6 alone meet through one that has both",
           "[net][socket]") {
   auto both = listed(options(2));
-  both.address = "::";
+  both.listen_address = "::";
   std::unique_ptr<UdpTransport> relay;
   std::unique_ptr<UdpTransport> six;
   try {
     relay = std::make_unique<UdpTransport>(both);
     auto own = listed(options(3));
-    own.address = "::1";
+    own.listen_address = "::1";
     own.connect = {{"::1", relay->local_port()}};
     six = std::make_unique<UdpTransport>(own);
   } catch (const std::system_error&) {
@@ -318,7 +318,7 @@ TEST_CASE("udp: options that are not valid are named, a port in use is an error"
   CHECK_THROWS_WITH(UdpTransport(small), "UdpOptions: max_datagram must be in [548, 1472], is 500");
   UdpTransport a(options(1));
   auto taken = options(2);
-  taken.port = a.local_port();
+  taken.listen_port = a.local_port();
   CHECK_THROWS_AS(UdpTransport(taken), std::system_error);
 }
 

@@ -53,9 +53,9 @@ internal unsafe struct NativeTcpDef {
 internal unsafe struct NativeUdpDef {
   public ulong Self;
   public ulong SceneHash;
-  public int Port;
+  public int ListenPort;
   public ClockSource Clock;
-  public byte* Address;
+  public byte* ListenAddress;
   public byte* Connect;
   public NativeCredentials Credentials;
   public double KbitPerS;

@@ -111,19 +111,19 @@ public enum ClockSource {
 
 /// <summary>What one process brings to a session over UDP, which is encrypted always.</summary>
 public sealed class UdpOptions {
-  public ulong Self;         // unique in the session, never 0
-  public ulong SceneHash;    // peers with another one are refused; 0
-  public int Port;           // 0: a free one, see Session.Port; 0
-  public ClockSource Clock;  // Session
-  public string Address;     // numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4
-  public string[] Connect;   // "HOST:PORT" of others; one is enough; null: none
+  public ulong Self;            // unique in the session, never 0
+  public ulong SceneHash;       // peers with another one are refused; 0
+  public int ListenPort;        // 0: a free one, see Session.Port; 0
+  public ClockSource Clock;     // Session
+  public string ListenAddress;  // numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4
+  public string[] Connect;      // "HOST:PORT" of others; one is enough; null: none
   public readonly Credentials Credentials = new Credentials();  // with a session key
-  public double KbitPerS;    // budget of each link, headers counted; 256
+  public double KbitPerS;       // budget of each link, headers counted; 256
   public bool Relay;  // pass on for peers that do not reach each other, and be passed on; true
 
   public UdpOptions() {
     Native.tandem_udp_def_init(out var def);
-    Port = def.Port;
+    ListenPort = def.ListenPort;
     Clock = def.Clock;
     KbitPerS = def.KbitPerS;
     Relay = def.Relay != 0;
@@ -133,9 +133,9 @@ public sealed class UdpOptions {
     Native.tandem_udp_def_init(out var def);
     def.Self = Self;
     def.SceneHash = SceneHash;
-    def.Port = Port;
+    def.ListenPort = ListenPort;
     def.Clock = Clock;
-    def.Address = memory.Text(Address);
+    def.ListenAddress = memory.Text(ListenAddress);
     def.Connect = memory.Text(Connect == null ? null : string.Join(" ", Connect));
     def.Credentials = memory.Of(Credentials);
     def.KbitPerS = KbitPerS;

@@ -15,8 +15,8 @@ class Udp final : public Network {
   Udp(std::uint16_t port, std::string address, const std::vector<std::string>& connect,
       const py::object& key, double kbit_per_s) {
     options_.self = 1;
-    options_.port = port;
-    options_.address = std::move(address);
+    options_.listen_port = port;
+    options_.listen_address = std::move(address);
     options_.connect = addresses(connect);
     options_.session_key = key_of(key);
     options_.kbit_per_s = kbit_per_s;

@@ -26,8 +26,8 @@ namespace {
 
 net::UdpOptions bound_by(const DirectOptions& options) {
   net::UdpOptions out;
-  out.address = options.address;
-  out.port = options.port;
+  out.listen_address = options.listen_address;
+  out.listen_port = options.listen_port;
   return out;
 }
 
@@ -61,7 +61,7 @@ std::vector<net::Address> addresses_of(const DirectOptions& options, std::uint16
   for (const net::HostPort& each : options.reachable_at) {
     out.push_back({net::to_bytes(asio::ip::make_address(each.host)), each.port});
   }
-  const auto bound = asio::ip::make_address(options.address);
+  const auto bound = asio::ip::make_address(options.listen_address);
   if (out.empty() && !bound.is_unspecified()) out.push_back({net::to_bytes(bound), port});
   if (out.empty()) {
     for (const auto& ip : own_addresses(bound.is_v6())) out.push_back({net::to_bytes(ip), port});

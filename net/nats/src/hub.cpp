@@ -96,7 +96,8 @@ void DirectOptions::validate() const {
     (void)asio::ip::make_address(text, error);
     return !error;
   };
-  net::require(is_numeric(address), "DirectOptions", "address", address, "a numeric address");
+  net::require(is_numeric(listen_address), "DirectOptions", "listen_address", listen_address,
+               "a numeric address");
   net::require(reachable_at.size() <= net::DirectWay::kMaxOffered, "DirectOptions",
                "reachable_at.size()", reachable_at.size(), "at most 4");
   for (const net::HostPort& each : reachable_at) {

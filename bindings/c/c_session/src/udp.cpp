@@ -26,8 +26,8 @@ net::UdpOptions udp_options(const tandem_udp_def& def) {
   net::UdpOptions options;
   options.self = def.self;
   options.scene_hash = def.scene_hash;
-  options.port = port_of("port", def.port);
-  if (def.address != nullptr) options.address = def.address;
+  options.listen_port = port_of("listen_port", def.listen_port);
+  if (def.listen_address != nullptr) options.listen_address = def.listen_address;
   options.connect = wire.connect;
   options.session_key = wire.session_key.value_or(net::Key{});
   options.identity = wire.identity;

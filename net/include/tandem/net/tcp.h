@@ -48,9 +48,9 @@ struct TANDEM_API TcpOptions {
   std::vector<std::byte> certificate = {};  ///< of this peer, see sign(Certificate); with organiser
   bool insecure = false;  ///< frames in the clear over any network, no session_key
 
-  std::uint32_t max_frame_bytes = 64 * 1024;          ///< longest payload, in [64, 16 MiB]
-  std::size_t send_queue_bytes = 1024 * 1024;         ///< per peer, >= 2 * max_frame_bytes
-  std::size_t receive_queue_bytes = 4 * 1024 * 1024;  ///< per peer, >= 2 * max_frame_bytes
+  std::uint32_t max_message_bytes = 64 * 1024;        ///< longest payload, in [64, 16 MiB]
+  std::size_t send_queue_bytes = 1024 * 1024;         ///< per peer, >= 2 * max_message_bytes
+  std::size_t receive_queue_bytes = 4 * 1024 * 1024;  ///< per peer, >= 2 * max_message_bytes
   std::size_t max_peers = 64;                         ///< connected at once, in [1, 1024]
   /// Kernel send buffer. Small: what waits there can no longer be replaced by a newer state. Too
   /// small for delay * bandwidth of the path: it caps the throughput.

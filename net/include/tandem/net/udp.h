@@ -22,26 +22,24 @@
 
 namespace tandem::net {
 
-using UdpKey = Key;
-using UdpTrusted = TrustedPeer;
-
 class UdpTransport;
 
 /// What one process brings to a session over UDP.
 struct TANDEM_API UdpOptions {
   using Transport = UdpTransport;  ///< what they are options of
 
-  consensus::PeerId self = 0;          ///< unique in the session, never 0
-  std::uint64_t scene_hash = 0;        ///< peers with another one are refused
-  std::uint16_t port = 0;              ///< one socket for all; 0 takes a free one (local_port())
-  std::string address = "0.0.0.0";     ///< numeric; "::" for IPv6 and IPv4
+  consensus::PeerId self = 0;     ///< unique in the session, never 0
+  std::uint64_t scene_hash = 0;   ///< peers with another one are refused
+  std::uint16_t listen_port = 0;  ///< one socket for all; 0 takes a free one (local_port())
+  std::string listen_address = "0.0.0.0";  ///< numeric; "::" for IPv6 and IPv4
   std::vector<HostPort> connect = {};  ///< one is enough; names are looked up until they are found
 
-  UdpKey session_key{};                  ///< the same for all members, not zero
-  std::optional<UdpKey> identity = {};   ///< secret of this peer; none: a new one
-  std::vector<UdpTrusted> trusted = {};  ///< other peers; neither they nor an organiser: any member
+  Key session_key{};                 ///< the same for all members, not zero
+  std::optional<Key> identity = {};  ///< secret of this peer; none: a new one
+  std::vector<TrustedPeer> trusted =
+      {};  ///< other peers; neither they nor an organiser: any member
   /// Whose certificates let others in, and who may change the group: his public key.
-  std::optional<UdpKey> organiser = {};
+  std::optional<Key> organiser = {};
   std::vector<std::byte> certificate = {};  ///< of this peer, see sign(Certificate); with organiser
 
   double kbit_per_s = 256.0;     ///< budget of each link, IP and UDP headers counted
@@ -50,10 +48,11 @@ struct TANDEM_API UdpOptions {
       1472;  ///< bytes of UDP payload, the most that is tried; in [548, 1472]
   std::size_t state_queue_bytes = 64 * 1024;       ///< per peer, >= 2048
   std::size_t reliable_queue_bytes = 1024 * 1024;  ///< per peer, >= 2 * max_message_bytes
-  std::size_t inbox_bytes = 4 * 1024 * 1024;       ///< per peer and kind, >= 2 * max_message_bytes
-  std::size_t max_message_bytes = 64 * 1024;       ///< of a Reliable one, in [64, 1 MiB]
-  std::size_t max_peers = 64;                      ///< in [1, 1024]
-  Clock clock = Clock::Session;                    ///< what session_now() goes by
+  std::size_t receive_queue_bytes =
+      4 * 1024 * 1024;                        ///< per peer and kind, >= 2 * max_message_bytes
+  std::size_t max_message_bytes = 64 * 1024;  ///< of a Reliable one, in [64, 1 MiB]
+  std::size_t max_peers = 64;                 ///< in [1, 1024]
+  Clock clock = Clock::Session;               ///< what session_now() goes by
   bool kernel_filter = true;  ///< let the kernel drop junk by its first bytes, where it can
   bool relay = true;  ///< pass on for peers that do not reach each other, and be passed on for
 

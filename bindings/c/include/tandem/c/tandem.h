@@ -887,11 +887,11 @@ typedef enum tandem_clock_source TANDEM_C_ENUM {
 
 /** What one process brings to a session over UDP, which is encrypted always. */
 typedef struct tandem_udp_def {
-  uint64_t self;             /**< unique in the session, never 0 */
-  uint64_t scene_hash;       /**< peers with another one are refused; 0 */
-  int32_t port;              /**< 0: a free one, see tandem_session_port; 0 */
-  tandem_clock_source clock; /**< TANDEM_CLOCK_SESSION */
-  const char* address;       /**< numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4 */
+  uint64_t self;              /**< unique in the session, never 0 */
+  uint64_t scene_hash;        /**< peers with another one are refused; 0 */
+  int32_t listen_port;        /**< 0: a free one, see tandem_session_port; 0 */
+  tandem_clock_source clock;  /**< TANDEM_CLOCK_SESSION */
+  const char* listen_address; /**< numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4 */
   const char* connect; /**< "HOST:PORT" of others, with spaces between; one is enough; null: none */
   tandem_credentials credentials; /**< with a session key */
   double kbit_per_s;              /**< budget of each link, headers counted; 256 */

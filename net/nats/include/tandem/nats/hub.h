@@ -17,8 +17,8 @@ namespace tandem::nats {
 /// A UDP socket beside the connection to the server, by which peers that are near speak to each
 /// other without it.
 struct TANDEM_API DirectOptions {
-  std::string address = "0.0.0.0";  ///< numeric, of this machine: where it is bound
-  std::uint16_t port = 0;           ///< 0: any that is free
+  std::string listen_address = "0.0.0.0";  ///< numeric, of this machine
+  std::uint16_t listen_port = 0;           ///< 0 takes a free one
   /// Where others reach it, numeric, at most four; empty: at the addresses of this machine. The
   /// NatsOptions::direct_peers nearest are told, sealed, and nobody else.
   std::vector<net::HostPort> reachable_at = {};

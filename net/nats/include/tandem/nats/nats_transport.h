@@ -39,7 +39,7 @@ struct TANDEM_API NatsOptions {
   std::string prefix = "tandem";  ///< first word of all subjects: letters, digits, - and _
   /// Who this peer is, whom it lets in, and how each connection goes: handshake, keys, rights,
   /// rates and queues are those of UDP. What is about sockets and finding each other is not used:
-  /// port, address, connect, max_peers, kernel_filter and relay.
+  /// listen_port, listen_address, connect, max_peers, kernel_filter and relay.
   net::UdpOptions member = {};
   CellOptions cells = {};
   /// So many of the nearest are spoken to by UDP where both ends have HubOptions::direct and that
