@@ -4,7 +4,6 @@
 // Prediction with rollback beside agreement and beside single owners: one scene, network and seed,
 // a line for each way. Fails where confirmed frames of rollback differ by a bit.
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <iterator>
 #include <map>
@@ -17,6 +16,7 @@
 #include "measures/smoothness.h"
 #include "measures/stretch.h"
 #include "rollback/session.h"
+#include "tandem/pbd/parse_number.h"
 
 namespace tandem::rollback_bench {
 namespace {
@@ -92,9 +92,8 @@ RollbackOptions rollback_options(std::string_view way) {
     if (i == std::size(values)) demos::refuse("--ways", way, kRule);
     const std::size_t end = std::min(rest.find('-'), rest.size());
     const std::string_view text = rest.substr(0, end);
-    const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), values[i]);
-    const bool whole = error == std::errc{} && at == text.data() + text.size();
-    if (!whole || values[i] > kMost[i]) demos::refuse("--ways", way, kRule);
+    if (!pbd::detail::parse_number(text, values[i]) || values[i] > kMost[i])
+      demos::refuse("--ways", way, kRule);
     if (end == rest.size()) break;
     rest.remove_prefix(end + 1);
   }

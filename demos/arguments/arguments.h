@@ -4,15 +4,15 @@
 // The command lines of all programs: demos, tools and benchmarks.
 #pragma once
 
-#include <charconv>
 #include <functional>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
+
+#include "tandem/pbd/parse_number.h"
 
 namespace tandem::demos {
 
@@ -35,10 +35,8 @@ template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high,
               std::string_view rule) {
   Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   // Written so that NaN is refused as well.
-  const bool good =
-      error == std::errc{} && end == text.data() + text.size() && value >= low && value <= high;
+  const bool good = pbd::detail::parse_number(text, value) && value >= low && value <= high;
   if (!good) refuse(option, text, rule);
   return value;
 }

@@ -3,12 +3,12 @@
 #include "scenes/inputs.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
 #include <string_view>
 
+#include "tandem/pbd/parse_number.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
@@ -53,8 +53,7 @@ class Words {
   Number number() {
     const std::string_view text = word();
     Number value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size()) refuse("numbers");
+    if (!pbd::detail::parse_number(text, value)) refuse("numbers");
     return value;
   }
   [[noreturn]] void refuse(const std::string& rule) const {

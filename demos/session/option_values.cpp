@@ -2,9 +2,9 @@
 // Copyright (c) 2026 The Tandem authors
 #include "session/option_values.h"
 
-#include <charconv>
 #include <cstdint>
-#include <system_error>
+
+#include "tandem/pbd/parse_number.h"
 
 namespace tandem::demos {
 
@@ -55,8 +55,7 @@ std::string address(std::string_view text) {
   if (colon == std::string_view::npos || colon == 0) refuse("--connect", text, kRule);
   const std::string_view port = text.substr(colon + 1);
   std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), value);
-  if (error != std::errc{} || end != port.data() + port.size() || value < 1 || value > 65535) {
+  if (!pbd::detail::parse_number(port, value) || value < 1 || value > 65535) {
     refuse("--connect", text, kRule);
   }
   return std::string(text);

@@ -5,13 +5,13 @@
 #include <asio/io_context.hpp>
 #include <asio/post.hpp>
 #include <asio/signal_set.hpp>
-#include <charconv>
 #include <condition_variable>
 #include <csignal>
 #include <mutex>
 #include <system_error>
 #include <thread>
 
+#include "tandem/pbd/parse_number.h"
 #include "tandem/pbd/validate.h"
 #include "timer_resolution.h"
 
@@ -32,8 +32,7 @@ HostPort parse_host_port(std::string_view text) {
   }
   if (host.empty()) return fail("HOST:PORT with a host");
   std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (error != std::errc() || end != digits.data() + digits.size() || port == 0) {
+  if (!pbd::detail::parse_number(digits, port) || port == 0) {
     return fail("HOST:PORT with a port from 1 to 65535");
   }
   return {std::string(host), port};

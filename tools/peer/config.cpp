@@ -5,20 +5,19 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <initializer_list>
 #include <limits>
 #include <sstream>
-#include <system_error>
 #include <vector>
 
 #include "session/session_key.h"
 #include "tandem/net/keys.h"
 #include "tandem/net/membership.h"
 #include "tandem/net/session.h"
+#include "tandem/pbd/parse_number.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
@@ -271,10 +270,7 @@ void read_network(Section in, const std::filesystem::path& file, const std::stri
   trusted.read_each([&](const std::string& id, const std::string& digits) {
     const std::optional<Key> key = key_from_hex(digits);
     std::uint64_t peer = 0;
-    const char* const end = id.data() + id.size();
-    const std::from_chars_result number = std::from_chars(id.data(), end, peer);
-    const bool good = number.ec == std::errc{} && number.ptr == end && peer != 0;
-    if (!good || peer == o.peer_id || !key) {
+    if (!pbd::detail::parse_number(id, peer) || peer == 0 || peer == o.peer_id || !key) {
       trusted.refuse(id, "another peer's id and its public key, 64 hex digits");
     }
     o.trusted.emplace_back(peer, *key);

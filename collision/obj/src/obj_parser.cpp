@@ -7,11 +7,11 @@
 
 #include <tiny_obj_loader.h>
 
-#include <charconv>
 #include <cmath>
 #include <istream>
 #include <sstream>
 
+#include "tandem/pbd/parse_number.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::obj {
@@ -30,8 +30,7 @@ std::string_view take_word(std::string_view& line) {
 /// Where the whole of `word` is a number.
 bool read(std::string_view word, auto& value) {
   if (word.starts_with('+')) word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size();
+  return pbd::detail::parse_number(word, value);
 }
 
 void check_vertex(std::string_view line, std::string_view name, std::size_t number) {

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <unordered_set>
 
+#include "tandem/pbd/parse_number.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::urdf_files {
@@ -120,9 +120,8 @@ class Words {
     std::string_view digits = word;
     if (digits.starts_with('+')) digits.remove_prefix(1);
     double value = 0.0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    const bool whole = error == std::errc() && end == digits.data() + digits.size();
-    if (!whole || !(std::abs(value) <= std::numeric_limits<float>::max())) {
+    if (!pbd::detail::parse_number(digits, value) ||
+        !(std::abs(value) <= std::numeric_limits<float>::max())) {
       points_.refuse("of corners that are finite numbers", word.empty() ? "the end" : word);
     }
     return static_cast<float>(value);
