@@ -14,7 +14,7 @@ namespace tandem::demos {
 struct HandRecord {
   static constexpr double kLongest = 600.0;   ///< s
   static constexpr double kFarthest = 100.0;  ///< m, of each coordinate
-  static constexpr int kMaxRate = 240;       ///< 1/s
+  static constexpr int kMaxRate = 240;        ///< 1/s
 
   /// From a grab to its release.
   struct Hold {
