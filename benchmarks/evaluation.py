@@ -6,6 +6,7 @@
     benchmarks/evaluation.py build/release/bin results            everything
     benchmarks/evaluation.py build/release/bin results --quick    two seeds
     benchmarks/evaluation.py build/release/bin results --report   from what is there
+    benchmarks/evaluation.py build/release/bin results --recorded   recorded hands alone, that section
 
 Cells that are finished are kept, so that a matrix that was broken off goes on; a program that is
 newer than a cell runs it again.
@@ -27,7 +28,7 @@ except ImportError:
         os.execv("/usr/bin/python3", ["/usr/bin/python3", *sys.argv])
 
 import cells
-import report
+import recorded
 
 
 def main():
@@ -42,13 +43,22 @@ def main():
                         choices=list(cells.SECONDS))
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--report", action="store_true", help="run nothing")
+    parser.add_argument("--recorded", action="store_true",
+                        help="recorded hands and what they are set beside, and that section alone")
     parser.add_argument("--docs", type=Path, default=HERE.parent / "docs")
     args = parser.parse_args()
 
     seeds = args.seeds or (2 if args.quick else 5)
-    matrix = cells.matrix(args.scenarios, args.profiles, args.first_seed, seeds, args.quick)
+    if args.recorded:
+        matrix = cells.recorded(args.scenarios, args.profiles, args.first_seed, seeds)
+    else:
+        matrix = cells.matrix(args.scenarios, args.profiles, args.first_seed, seeds, args.quick)
     if not args.report:
         cells.run_all(matrix, args.binaries, args.out, args.jobs)
+    if args.recorded:
+        recorded.write(cells.load(matrix, args.out), args.docs)
+        return
+    import report  # draws
     report.write(cells.load(matrix, args.out), args.out, args.docs)
 
 

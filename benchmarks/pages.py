@@ -16,6 +16,11 @@ def _cells(line):
     return [cell.strip() for cell in line.strip().strip("|").split("|")]
 
 
+def table(head, lines):
+    return ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)] + [
+        "| " + " | ".join(line) + " |" for line in lines]
+
+
 def sections(path):
     """Text of each section of a page, by its first line; what stands before the first by ""."""
     path = Path(path)

@@ -13,6 +13,10 @@ from pathlib import Path
 SECONDS = {"cubes": 20, "room": 40, "tennis": 20, "piano": 22, "cliff": 8}
 # [friston] Sec. 7.1, besides soft, the default of all but the piano, whose default is asymmetric.
 MODES = {"cubes": ("asymmetric", "hard"), "room": ("asymmetric", "hard"), "piano": ("hard",)}
+# What a room's page recorded, of users A and B, and where it is played; see docs/hands.md.
+HANDS = [str(Path(__file__).resolve().parents[1] / "data/hands" / f"synthetic-pointer-{i}.txt") for i in (1, 2)]
+RECORDED = ("cubes", "room", "piano")
+RECORDED_SECONDS = 32  # the longest record
 MOTION = "motion"  # the check of speeds, see motion.cpp
 
 
@@ -42,6 +46,7 @@ class Cell:
             "mouse": ["--variant", "mouse"],
             "tug": ["--variant", "tug"],
             "live": [],
+            "recorded": ["--hands", ",".join(HANDS)],
             "uneven": ["--rates", "60,72"],
             "asymmetric": ["--mode", "asymmetric"],
             # The piano's default springs are asymmetric whatever the mode is.
@@ -58,8 +63,8 @@ def matrix(scenarios, profiles, first_seed, seed_count, quick):
         if quick and scenario == "cliff":
             seconds = 6
         for seed in range(first_seed, first_seed + seed_count):
-            def add(where, variant, profile):
-                where.append(Cell(scenario, variant, profile, seed, seconds))
+            def add(where, variant, profile, length=seconds):
+                where.append(Cell(scenario, variant, profile, seed, length))
 
             for profile in profiles:
                 add(first, "default", profile)
@@ -72,6 +77,9 @@ def matrix(scenarios, profiles, first_seed, seed_count, quick):
                     add(second, "tug", 5)
                 if scenario != "cliff" or seed == first_seed:
                     add(second, "uneven", 5)
+            if scenario in RECORDED:
+                for profile in profiles[::2]:
+                    add(second, "recorded", profile, RECORDED_SECONDS)
             if scenario in MODES and seed < first_seed + 2:
                 for profile in profiles[::2]:
                     for mode in MODES[scenario]:
@@ -79,6 +87,19 @@ def matrix(scenarios, profiles, first_seed, seed_count, quick):
             if scenario == "tennis":
                 add(second, "live", 0)  # nothing is late
     return first, second
+
+
+def recorded(scenarios, profiles, first_seed, seed_count):
+    """Recorded hands, and the scripted ones that they are set beside."""
+    return ([Cell(s, variant, p, seed, RECORDED_SECONDS if variant == "recorded" else SECONDS[s])
+             for s in RECORDED if s in scenarios
+             for seed in range(first_seed, first_seed + seed_count)
+             for p in profiles for variant in ("recorded", scripted(s))],)
+
+
+def scripted(scenario):
+    """The variant in which all peers know of all springs, as of those of recorded hands."""
+    return "soft" if scenario == "piano" else "default"
 
 
 def _fresh(path, binary):

@@ -7,6 +7,8 @@ import json
 import figures
 import must_hold
 import pages
+import recorded
+from pages import table
 from stats import get, interval, mean, over, short, text, values
 from svg_figure import on_page
 
@@ -54,11 +56,6 @@ def write_csv(results, path):
                                    for k, v in o.items() if v is not None)
                 writer.writerow([scenario, variant, profile, r["seed"], r["stable"],
                                  *["" if c is None else c for c in cells], outcome, r["hash"]])
-
-
-def table(head, lines):
-    return ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)] + [
-        "| " + " | ".join(line) + " |" for line in lines]
 
 
 def divergence_lines(results):
@@ -352,5 +349,7 @@ def write(results, out, docs):
         "Asymmetric: each peer its own user's alone. Hard: none; hands drag bodies, and physics has "
         "no say in those.", "", *mode_lines(results), "",
         "## Success", "", *success_lines(results), ""]
+    if any(variant == "recorded" for _, variant, _ in results):
+        lines += recorded.section(results)
     pages.write(docs / "evaluation.md", "\n".join(lines))
     print(f"{yes} of {len(rows)} bounds hold; {docs / 'evaluation.md'}")

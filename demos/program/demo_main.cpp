@@ -57,6 +57,10 @@ int run(const Scenario& scenario, const DemoOptions& options) {
   if (options.view && !view::has_view()) {
     throw UsageError("--view needs a build with it: " + view::missing());
   }
+  if (options.hands.size() > scenario.user_count()) {
+    refuse("--hands", std::to_string(options.hands.size()),
+           "at most " + std::to_string(scenario.user_count()) + " files here");
+  }
   const std::optional<Scheme> other = shown_beside(scenario, options);
   const bool again = options.reference && !options.over_network();
   std::optional<RunResult> reference, beside;

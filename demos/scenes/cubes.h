@@ -43,6 +43,10 @@ class CubesScenario final : public Scenario {
                                   const UserOptions& options) const override;
   /// The pillar stands: no cube has moved by 5 mm or tilted by 2 degrees.
   std::string fault(const Scene& scene) const override;
+  /// All but the pillar.
+  std::vector<std::size_t> holdable(const Scene& scene) const override {
+    return unowned(scene, "pillar/");
+  }
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
   Achievement achievement(const Outcome& outcome) const override;
 

@@ -43,6 +43,9 @@ class PianoScenario final : public Scenario {
   Bounds bounds() const override { return {.max_distance = 2.0, .max_speed = 5.0, .lowest = 0.0}; }
   /// The piano is within the walls.
   std::string fault(const Scene& scene) const override;
+  std::vector<std::size_t> holdable(const Scene& scene) const override { return unowned(scene); }
+  /// It is a sixth of the piano of the room's page, and rolls.
+  pbd::Vec3 hand_scale() const override { return {1.0 / 6.0, 1.0 / 6.0, 0.0}; }
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
   Achievement achievement(const Outcome& outcome) const override;
   std::string_view baseline() const override { return "single-owner"; }

@@ -27,6 +27,7 @@ class RoomScenario final : public Scenario {
   std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
   Bounds bounds() const override { return {.max_distance = 6.0, .max_speed = 15.0, .lowest = 0.0}; }
+  std::vector<std::size_t> holdable(const Scene& scene) const override { return unowned(scene); }
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
   Achievement achievement(const Outcome& outcome) const override;
 };

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "scenes/controls.h"
 #include "scenes/scene.h"
@@ -52,6 +53,11 @@ class Scenario {
                          consensus::SessionTime /*now*/) const {}
 
   virtual Bounds bounds() const { return {}; }
+  /// What recorded hands may hold, as indices into Scene::bodies; empty: the scene is not for them.
+  virtual std::vector<std::size_t> holdable(const Scene& /*scene*/) const { return {}; }
+  /// What the motion of recorded hands is multiplied by along each axis.
+  virtual pbd::Vec3 hand_scale() const { return pbd::Vec3::Ones(); }
+
   /// What is wrong with a world at this moment that must never be; empty where nothing is.
   virtual std::string fault(const Scene& /*scene*/) const { return {}; }
   /// Null: there is no score.
@@ -62,6 +68,15 @@ class Scenario {
   virtual std::string_view baseline() const { return "none"; }
 
  protected:
+  /// Bodies that nobody owns, but those whose names begin with `but` where that is not empty.
+  static std::vector<std::size_t> unowned(const Scene& scene, std::string_view but = {}) {
+    std::vector<std::size_t> result;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      const SceneBody& body = scene.bodies[i];
+      if (!body.owner && (but.empty() || !body.name.starts_with(but))) result.push_back(i);
+    }
+    return result;
+  }
   Scenario(std::string name, std::size_t users) : name_(std::move(name)), users_(users) {}
   /// @throws std::invalid_argument where user >= user_count()
   void require_user(std::size_t user) const {

@@ -13,6 +13,7 @@
 
 #include "scenes/controls.h"
 #include "scenes/hand.h"
+#include "scenes/hand_record.h"
 #include "scenes/outcome.h"
 #include "scenes/scene.h"
 
@@ -35,7 +36,8 @@ struct UserOptions {
   consensus::SessionTime epoch = 0;  ///< ns, session time at which the script begins
   double seconds = 20.0;             ///< s, when the session ends
   double reaction = 0.2;             ///< s, from what happens to what is done about it
-  double tremor = 3e-4;  ///< m, rms of each coordinate: peaks of 1 mm, see Tremor::bound
+  double tremor = 3e-4;            ///< m, rms of each coordinate: peaks of 1 mm, see Tremor::bound
+  std::optional<HandRecord> hand;  ///< what they do in place of their script
 };
 
 /// What somebody has taken in of some bodies: what was there a reaction time ago.

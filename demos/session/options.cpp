@@ -238,6 +238,15 @@ constexpr DemoOption kOptions[] = {
        o.no_script = file == "none";
        o.replay = o.no_script ? "" : file;
      }},
+    {"--hands", Where::Everywhere,
+     [](Argument& in, DemoOptions& o) {
+       const std::string files = in.text();
+       o.hands.clear();
+       for (const std::string_view file : items_of(files)) {
+         if (file.empty()) refuse(in.name(), files, "FILE or FILE,FILE");
+         o.hands.emplace_back(file);
+       }
+     }},
     {"--predictor", Where::Everywhere,
      [](Argument& in, DemoOptions& o) { o.predictor = predictor(in.value()); }},
     {"--agreement", Where::Everywhere, read_agreement},
@@ -270,6 +279,9 @@ void check_together(const DemoOptions& o, std::string_view virtual_only,
   }
   if (o.over_network() && !o.udp() && o.timeline == Timeline::None) {
     refuse_pair("--clock none", "needs --key or --transport udp over a network");
+  }
+  if (!o.hands.empty() && (o.no_script || !o.replay.empty())) {
+    refuse_pair("--hands", "has no meaning with --script");
   }
   if (o.view && (o.beside || o.alone)) refuse_pair("--coupling A,B", "has no meaning with --view");
   for (const auto& [name, file] : {std::pair{"--json", &o.json},

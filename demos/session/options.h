@@ -103,13 +103,14 @@ struct DemoOptions {
   Wire wire = Wire::Auto;
   Timeline timeline = Timeline::Session;
 
-  std::string json;        ///< file for the result, "-" = standard output, "" = none
-  std::string csv;         ///< folder for tables, "" = none
-  std::string record;      ///< file for what the users did, "" = none
-  std::string glb;         ///< file for the run as glTF, "" = none
-  std::string replay;      ///< file with what the users do, "" = they follow their script
-  std::string trace;       ///< file for what enters a peer, see docs/trace.md, "" = none
-  bool reference = false;  ///< run the same inputs at one peer as well, and compare
+  std::string json;                ///< file for the result, "-" = standard output, "" = none
+  std::string csv;                 ///< folder for tables, "" = none
+  std::string record;              ///< file for what the users did, "" = none
+  std::string glb;                 ///< file for the run as glTF, "" = none
+  std::string replay;              ///< file with what the users do, "" = they follow their script
+  std::vector<std::string> hands;  ///< files, user i's hand does what the i-th has (docs/hands.md)
+  std::string trace;               ///< file for what enters a peer, see docs/trace.md, "" = none
+  bool reference = false;          ///< run the same inputs at one peer as well, and compare
   Print print = Print::Story;
   std::optional<Scheme>
       beside;          ///< what the run is shown beside; nullopt = what the scene proposes

@@ -90,6 +90,8 @@ Session:
                      address is given
   --script FILE|none  users do what --record wrote instead of following their script; none: nobody
                      acts but who grabs something on the page
+  --hands FILE,..    users' hands do what a room's page recorded, user A's the first file's and so on;
+                     who has none follows the script (docs/hands.md)
 Output:
   --json FILE        write the result as one JSON object; - is standard output
   --csv DIR          write tables of all samples and of all bodies

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "scenes/random.h"
+#include "scenes/recorded_hand.h"
 #include "scenes/replay.h"
 #include "session/geometry.h"
 #include "tandem/pbd/cpu_timer.h"
@@ -58,6 +59,7 @@ UserOptions user_options(const DemoOptions& options, std::size_t user,
   result.seed = derived_seed(options.seed, 3000 + user);
   result.epoch = epoch;
   result.seconds = options.seconds;
+  if (user < options.hands.size()) result.hand = read_hand_record(options.hands[user]);
   return result;
 }
 
@@ -144,6 +146,9 @@ void Participant::add_user(std::size_t user, const UserOptions& options,
   sit_down(user, options.epoch, std::move(prefix),
            [&](Controls& controls) -> std::unique_ptr<User> {
              if (replay != nullptr) return std::make_unique<ReplayUser>(user, *replay, controls);
+             if (options.hand) {
+               return std::make_unique<RecordedHand>(user, scenario_, controls, *options.hand);
+             }
              return scenario_.make_user(user, controls, options);
            });
 }

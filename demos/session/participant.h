@@ -144,6 +144,7 @@ SceneOptions scene_options(const DemoOptions& options, std::size_t number, std::
 std::optional<std::vector<Input>> replayed_inputs(const DemoOptions& options);
 
 /// The users' options; `user` tells their seeds apart.
+/// @throws as read_hand_record() where a record is what they do
 UserOptions user_options(const DemoOptions& options, std::size_t user,
                          consensus::SessionTime epoch);
 

@@ -6,6 +6,7 @@ import {readLink} from './link.js';
 import {Panel, fail} from './panel.js';
 import {listen} from './pointer.js';
 import {drawQr} from './qr.js';
+import {offerRecording} from './recorder.js';
 import {Session} from './session.js';
 
 const COLOURS = ['#c8553d', '#3f78b5', '#5a9367', '#8d6cab', '#b8862b', '#2f8f9d', '#b0486f', '#5d6d7e'];
@@ -60,6 +61,7 @@ async function start() {
   panel = new Panel(room, link, session, profile);
   drawQr(document.getElementById('code'), link.share);
   listen(canvas, drawing, session);
+  offerRecording(session, link.room);
   for (const button of document.querySelectorAll('[data-make]')) {
     button.onclick = () => {
       const [x, y] = drawing.look.target;

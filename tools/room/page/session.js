@@ -49,6 +49,7 @@ export class Session {
     this.apart = new Map();   // by member: {typical, most}, m
     this.hands = new Map();   // by member: {id, anchor, attachment, at}
     this.onMade = () => {};
+    this.onHand = () => {};   // at each step: session time (ms), the hand or null
     this.steps = 0;
     this.late = 0;            // ms, by how much steps come after their time, smoothed
     this.members = new Members({...link, self: this.self, profile: {...profile, meets: true}}, {
@@ -151,6 +152,7 @@ export class Session {
   }
   #advance() {
     this.hand?.update(this.#peer, this.now);
+    this.onHand(this.time, this.hand);
     this.#peer.beforeStep(this.now);
     this.world.step();
     ++this.#step;
