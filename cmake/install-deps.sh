@@ -13,7 +13,7 @@
 # need, with --with-csharp what TANDEM_BUILD_CSHARP and its tests need (docs/csharp.md), with
 # --with-robots what TANDEM_WITH_URDF and TANDEM_WITH_MJCF need (docs/scene_files.md), with
 # --with-web what the package for browsers is built and tested with (docs/web.md), with --with-cross what
-# Tandem for 64 bit ARM and Windows is built with and runs on (docs/platforms.md); all is built without it, too,
+# Tandem for 64 bit ARM, Windows and libc++ is built with and runs on (docs/platforms.md); all is built without it, too,
 # and shows or does less.
 # Without root (or sudo without a password) or without apt-get it names them and exits with 1.
 set -euo pipefail
@@ -40,7 +40,7 @@ for argument in "$@"; do
     --with-view) with_view ;;
     --with-cross)
       packages+=(g++-aarch64-linux-gnu qemu-user g++-mingw-w64-x86-64-posix wine wine64 dpkg-dev clang
-        autoconf automake libtool) ;;
+        autoconf automake libtool clang-19 libc++-19-dev libc++abi-19-dev) ;;
     --with-web)
       packages+=(emscripten node-acorn dpkg-dev clang)
       command -v node >/dev/null || packages+=(nodejs)

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Brings the libraries that Tandem needs for another processor or system: libsodium built from Debian's source, and
-# links to the headers that are the same everywhere. FCL and libccd are built with Tandem, from their sources.
-#   cmake/cross/sysroot.sh aarch64-linux|x86_64-windows
+# Brings the libraries that Tandem needs for another processor, system or standard library: libsodium built from
+# Debian's source, and links to the headers that are the same everywhere. FCL and libccd are built with Tandem, from
+# their sources. For libc++ libsodium is the machine's own, which is in C.
+#   cmake/cross/sysroot.sh aarch64-linux|x86_64-windows|libcxx
 # They go to build/sysroot/TARGET, the sources to build/web_sources. Needs what cmake/install-deps.sh --with-cross
 # installs; what is there stays.
 set -euo pipefail
@@ -13,7 +14,8 @@ target=${1-}
 case $target in
   aarch64-linux) host=aarch64-linux-gnu ;;
   x86_64-windows) host=x86_64-w64-mingw32 ;;
-  *) echo "sysroot.sh: aarch64-linux or x86_64-windows, not '$target'" >&2; exit 2 ;;
+  libcxx) ;;
+  *) echo "sysroot.sh: aarch64-linux, x86_64-windows or libcxx, not '$target'" >&2; exit 2 ;;
 esac
 
 bash bindings/web/fetch-sources.sh build/web_sources >&2
@@ -35,6 +37,7 @@ Version: $(pkg-config --modversion tomlplusplus)
 Cflags: -I$sysroot/include
 PC
 
+[[ $target != libcxx ]] || exit 0
 # Its last file, with the folder in it.
 ! grep -qsxF "prefix=$sysroot" "$sysroot/lib/pkgconfig/libsodium.pc" || exit 0
 build=$(mktemp -d)
