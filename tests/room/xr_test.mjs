@@ -115,7 +115,7 @@ describe('a room in headsets', {timeout: 240000}, () => {
     }
     // The hands themselves keep their direction, as far as three springs of each can: it turns a little less.
     await until(async () => (await bodyYaw(a, CRATE)) - yaw > TURN / 2, 'the turn');
-    await until(async () => Math.abs((await bodyYaw(desktop, CRATE)) - await bodyYaw(a, CRATE)) < 0.05, 'the same there');
+    await until(async () => Math.abs((await bodyYaw(desktop, CRATE)) - await bodyYaw(a, CRATE)) < 0.05, 'the desktop');
     await Promise.all(['left', 'right'].map((side) => move(a, side, [0, 0, -0.28])));
     await press(a, 'left', 'squeeze', 0);
     assert.equal(await holds(a, 'right'), CRATE);

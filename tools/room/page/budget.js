@@ -35,7 +35,7 @@ export class Budget {
   }
   get level() { return LEVELS[this.#level]; }
 
-  /** Before each picture. @param {number} now  ms @param {number} late  ms, of steps @returns {boolean}  another level */
+  /** Before each picture. @param {number} now  ms @param {number} late  ms, of steps @returns {boolean}  level changed */
   took(now, late) {
     const interval = this.#last === null ? 0 : now - this.#last;
     this.#last = now;

@@ -108,7 +108,9 @@ export class Drawing {
     this.eyes = new THREE.PerspectiveCamera(70, 1, 0.05, 60);
     this.rig.add(this.eyes);
     this.scene.add(this.rig);
-    this.aim = new THREE.Mesh(new THREE.RingGeometry(0.18, 0.25, 32), new THREE.MeshBasicMaterial({color: 0x2b6690}));
+    this.aim = new THREE.Mesh(new THREE.RingGeometry(0.18, 0.25, 32),
+                              new THREE.MeshBasicMaterial({color: 0x2b6690, depthTest: false}));
+    this.aim.renderOrder = 1;
     this.aim.visible = false;
     this.scene.add(this.aim);
     this.#marks = new Marks(this.scene);

@@ -8,6 +8,7 @@ import {Stand, landing} from './stand.js';
 
 const REACH = 0.1;        // m, from the palm
 const PATIENCE_MS = 200;  // a hand that is not seen for so long is lost
+const DELIBERATE_MS = 300;
 const PUSHED = 0.7;       // of a thumbstick's way
 const BACK = 0.4;
 const SNAP = Math.PI / 6;
@@ -23,7 +24,8 @@ const PRESSES = {selectstart: true, squeezestart: true, selectend: false, squeez
 /** What one hand does. */
 class Side {
   constructor(side) {
-    Object.assign(this, {side, source: null, pressed: new Set(), aims: false, turned: false, known: -Infinity});
+    Object.assign(this, {side, source: null, pressed: new Set(), aims: false, since: 0, turned: false,
+                         known: -Infinity});
   }
 }
 
@@ -37,6 +39,7 @@ export class Headset {
   constructor(drawing, session) {
     Object.assign(this, {drawing, session});
     this.stand = new Stand();
+    this.onChange = () => {};  // its user sees the room, or no longer
     this.seen = null;    // poses of head, left, right, world
     this.target = null;  // m, where the user would be after a jump
   }
@@ -67,7 +70,8 @@ export class Headset {
     xr.addEventListener('end', () => this.#ended());
     xr.addEventListener('visibilitychange', () => {
       if (xr.visibilityState !== 'visible') this.#letGo();
-      if (xr.visibilityState === 'hidden') this.#see(null);  // no more pictures for now
+      if (xr.visibilityState === 'hidden') this.#unsee();  // no more pictures for now
+      this.onChange();
     });
     xr.addEventListener('inputsourceschange', ({removed}) => {
       for (const side of this.#sides.values()) if (removed.includes(side.source)) this.#lose(side);
@@ -91,42 +95,35 @@ export class Headset {
     const pause = Math.min(MOST_PAUSE, Math.max(0, (now - this.#last) / 1000));
     this.#last = now;
     const viewer = this.visible ? frame.getViewerPose(space) : null;
-    if (!viewer) return this.#see(null);
-    if (!this.#placed) this.#place(viewer.transform);
+    if (viewer && !this.#placed) this.#place(viewer.transform);
     const poseIn = (place) => {
       const pose = place && frame.getPose(place, space);
       return pose && this.stand.pose(pose.transform);
     };
-    const head = this.stand.pose(viewer.transform);
     for (const side of this.#sides.values()) {
       side.source = [...this.#session.inputSources].find(({handedness, gripSpace}) =>
         gripSpace && handedness === side.side) ?? null;
-      if (side.source) this.#move(side, head, pause);
+      if (side.source && viewer) this.#move(side, this.stand.pose(viewer.transform), pause);
     }
-    // Only now, since a step or a jump has moved them.
-    this.#see({head: this.stand.pose(viewer.transform)});
+    // Only now, since a thumbstick may have moved them.
+    this.seen = viewer && {head: this.stand.pose(viewer.transform)};
     this.target = null;
     for (const side of this.#sides.values()) {
-      const {source} = side;
-      const pose = source && this.#palm(source, frame, poseIn);
+      const pose = viewer && side.source && this.#palm(side.source, poseIn);
       if (pose) {
         side.known = now;
         this.seen[side.side] = pose;
-      } else if (!source || now - side.known > PATIENCE_MS) {
+      } else if (!side.source || now - side.known > PATIENCE_MS) {
         this.#lose(side);
       }
-      const ray = side.aims && source && poseIn(source.targetRaySpace);
+      const ray = pose && side.aims && poseIn(side.source.targetRaySpace);
       if (ray) this.target = landing(ray);
     }
-    this.#see(this.seen);
+    this.session.track(this.seen);
   }
 
-  #see(seen) {
-    this.seen = seen;
-    this.session.track(seen);
-  }
   /** The middle between thumb and finger of a hand that is seen, else the controller's grip. */
-  #palm(source, frame, poseIn) {
+  #palm(source, poseIn) {
     const grip = poseIn(source.gripSpace);
     const tips = ['thumb-tip', 'index-finger-tip'].map((joint) => poseIn(source.hand?.get(joint)));
     if (!grip || !tips[0] || !tips[1]) return grip ?? null;
@@ -150,11 +147,14 @@ export class Headset {
       this.#pulse(source);
     } else if (source.hand) {
       side.aims = true;  // it has no thumbstick
+      side.since = performance.now();
     }
   }
   #open(side, source) {
     this.session.letGo(side.side);
-    if (source?.hand && side.aims) this.#jump(side);
+    if (!source.hand || !side.aims) return;
+    if (performance.now() - side.since < DELIBERATE_MS) side.aims = false;  // it has missed something
+    else this.#jump(side);
   }
   #lose(side) {
     side.pressed.clear();
@@ -165,10 +165,14 @@ export class Headset {
   #ended() {
     this.#letGo();
     this.#session = null;
-    this.target = null;
-    this.#see(null);
+    this.#unsee();
     this.drawing.leave();
-    this.onEnd?.();
+    this.onChange();
+  }
+  #unsee() {
+    this.seen = null;
+    this.target = null;
+    this.session.track(null);
   }
   #pulse({gamepad}) { gamepad?.hapticActuators?.[0]?.pulse?.(0.5, 30)?.catch?.(() => {}); }
 
@@ -180,6 +184,7 @@ export class Headset {
     const holds = ['left', 'right'].some((one) => this.session.holding.has(one));
     if (holds) {
       side.aims = false;
+      side.turned = true;
       if (Math.abs(x) > BACK) this.stand.turn(-x * SWING * pause, head.position);
       if (Math.abs(y) > BACK) this.#walk(-y * WALK * pause, head);
       return;

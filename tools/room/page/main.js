@@ -73,7 +73,7 @@ async function start() {
   }
 
   headset = new Headset(drawing, session);
-  headset.onEnd = see;
+  headset.onChange = see;
   offer(document.getElementById('headset'), headset, (problem) => panel.complain(problem));
   const people = function* people() {
     const {hand} = session;

@@ -22,7 +22,9 @@ function label(text, colour) {
   pen.fillStyle = '#ffffff';
   pen.textAlign = 'center';
   pen.fillText(text, 128, 35, 236);
-  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({map: new THREE.CanvasTexture(canvas), depthTest: false}));
+  const map = new THREE.CanvasTexture(canvas);
+  map.colorSpace = THREE.SRGBColorSpace;
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({map, depthTest: false}));
   sprite.scale.set(0.42, 0.42 * 48 / 256, 1);
   sprite.renderOrder = 2;
   return sprite;
@@ -103,7 +105,7 @@ export class Marks {
   #marks = new Map();
 
   constructor(scene) { this.scene = scene; }
-  /** @param {Iterable<object>} people  key, name, colour, and a hand: anchor, attachment, held; or `person` and `own` */
+  /** @param {Iterable<object>} people  key, name, colour; of a pointer anchor, attachment, held, else person and own */
   draw(people) {
     const seen = new Set();
     for (const {key, name, colour, person, own, ...hand} of people) {

@@ -14,7 +14,7 @@ function away(shape, [x, y, z]) {
   return Infinity;
 }
 
-/** The nearest body that can be held; null: none within reach. @param {number[]} point  world @param {number} reach  m */
+/** The nearest body that can be held, or null. @param {number[]} point  m, world @param {number} reach  m */
 export function nearest(bodies, point, reach) {
   let found = null;
   for (const held of bodies) {

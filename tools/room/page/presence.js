@@ -144,7 +144,7 @@ export class Presence {
   }
   /** A pointer that holds something: {held, anchor, attachment}. */
   pointer(id, now = performance.now()) { return this.#lately(id, now)?.pointer ?? null; }
-  /** Who wears a headset, smoothed from message to message: {head, left, right}, the hands as {pose, held, attachment}. */
+  /** Who wears a headset, smoothed from message to message: {head, left, right}, hands as {pose, held, attachment}. */
   person(id, now = performance.now()) {
     const said = this.#lately(id, now);
     if (!said || said.pointer) return null;

@@ -8,8 +8,7 @@ const UPRIGHT = [Math.SQRT1_2, 0, 0, Math.SQRT1_2];  // y up to z up
 const FAR = 10;        // m from the room's middle
 const SPEED = 6;       // m/s, of what is thrown to aim
 const GRAVITY = 9.81;  // m/s²
-const MOMENT = 0.05;   // s
-const MOMENTS = 40;
+const LONGEST = 2;     // s
 
 const about = (yaw) => [0, 0, Math.sin(yaw / 2), Math.cos(yaw / 2)];
 const within = (x) => Math.min(FAR, Math.max(-FAR, x));
@@ -39,10 +38,6 @@ export class Stand {
 /** Where a throw along -z of this pose meets the floor, m; null where that is too far. */
 export function landing({position, orientation}) {
   const speed = rotated(orientation, [0, 0, -SPEED]);
-  for (let i = 0; i <= MOMENTS; ++i) {
-    const t = i * MOMENT;
-    const z = position[2] + speed[2] * t - 0.5 * GRAVITY * t * t;
-    if (z <= 0) return [position[0] + speed[0] * t, position[1] + speed[1] * t];
-  }
-  return null;
+  const time = (speed[2] + Math.sqrt(speed[2] ** 2 + 2 * GRAVITY * Math.max(0, position[2]))) / GRAVITY;
+  return time <= LONGEST ? [position[0] + speed[0] * time, position[1] + speed[1] * time] : null;
 }
