@@ -90,7 +90,16 @@ describe('a room in headsets', {timeout: 240000}, () => {
     assert.equal(await holds(a, 'right'), null);
     await press(a, 'right', 'squeeze', 0);
     await grab(a, 'right', [x, y, z + 0.14], CRATE);
-    await move(a, 'right', [0, 0, LIFT]);
+    const lift = move(a, 'right', [0, 0, LIFT]);
+    // Pictures lie between the last two steps.
+    const [first, middle, last, now] = await until(async () => {
+      const heights = await ask(a, `[0, 0.5, 1].map((part) => session.world.between(part)[2 + 13 *
+        session.world.find('${CRATE}').body.row]).concat(session.world.find('${CRATE}').body.position[2])`);
+      return heights[2] - heights[0] > 1e-3 && heights;
+    }, 'a picture in between');
+    assert.equal(last, now);
+    assert.ok(Math.abs(middle - (first + last) / 2) < 1e-12);
+    await lift;
     await until(async () => Math.abs((await pose(a, CRATE))[2] - z - LIFT) < HELD, 'the lift');
     await until(async () => Math.abs((await pose(desktop, CRATE))[2] - z - LIFT) < HELD, 'the desktop to see it');
     await move(a, 'right', [0, 0, 0.02 - LIFT]);

@@ -21,32 +21,33 @@ const LEVELS = [
 const PLAIN = 2;
 
 export class Budget {
-  #frame;           // ms
-  #mean;            // ms, from picture to picture
+  #mean = 1;        // time from picture to picture by that of the display
   #last = null;     // ms
   #settled = 0;     // pictures at this level
   #level;
 
-  /** @param {number} [hz]  of the display @param {boolean} plain  the processor draws */
-  constructor(hz = USUAL_HZ, plain = false) {
-    this.#frame = 1000 / (hz || USUAL_HZ);
-    this.#mean = this.#frame;
+  /** @param {boolean} plain  the processor draws */
+  constructor(plain = false) {
     this.#level = plain ? PLAIN : LEVELS.length - 1;
   }
   get level() { return LEVELS[this.#level]; }
 
-  /** Before each picture. @param {number} now  ms @param {number} late  ms, of steps @returns {boolean}  level changed */
-  took(now, late) {
+  /**
+   * Before each picture.
+   * @param {number} now  ms @param {number} late  ms, of steps @param {?number} hz  of the display
+   * @returns {boolean}  whether the level is another one
+   */
+  took(now, late, hz) {
     const interval = this.#last === null ? 0 : now - this.#last;
     this.#last = now;
     if (interval <= 0 || interval > PAUSED_MS) return false;
-    this.#mean += SHARE * (interval - this.#mean);
+    this.#mean += SHARE * (interval * (hz || USUAL_HZ) / 1000 - this.#mean);
     ++this.#settled;
-    const over = this.#mean > LONGER * this.#frame || late > LATE_MS;
+    const over = this.#mean > LONGER || late > LATE_MS;
     if (!over || this.#settled < SETTLING || this.#level === 0) return false;
     --this.#level;
     this.#settled = 0;
-    this.#mean = this.#frame;
+    this.#mean = 1;
     return true;
   }
 }

@@ -155,7 +155,7 @@ export class Drawing {
   async enter(xr) {
     const {renderer} = this;
     renderer.xr.enabled = true;
-    this.#budget ??= new Budget(xr.frameRate, this.plain);
+    this.#budget ??= new Budget(this.plain);
     this.#apply(this.#budget.level);
     this.#scale = this.#budget.level.scale;
     renderer.xr.setFramebufferScaleFactor(this.#scale);
@@ -172,7 +172,8 @@ export class Drawing {
    * @param {number} now  ms @param {number} late  ms, of the world's steps
    */
   drawHeadset(states, people, {frame, stand, target, now, late}) {
-    if (this.#budget.took(now, late)) this.#apply(this.#budget.level);
+    const hz = this.renderer.xr.getSession().frameRate;
+    if (this.#budget.took(now, late, hz)) this.#apply(this.#budget.level);
     const scale = this.#budget.level.scale / this.#scale;
     for (const view of frame.getViewerPose(this.referenceSpace)?.views ?? []) view.requestViewportScale?.(scale);
     this.rig.position.set(...stand.position);

@@ -80,7 +80,7 @@ export class Headset {
       xr.addEventListener(type, ({inputSource}) => this.#press(inputSource, type.replace(/start|end/, ''), pressed));
     }
     const [rate] = [...xr.supportedFrameRates ?? []].filter((hz) => hz >= DISPLAY_HZ).sort((a, b) => a - b);
-    if (rate) await xr.updateTargetFrameRate(rate).catch(() => {});  // as it is, then
+    if (rate) xr.updateTargetFrameRate(rate).catch(() => {});  // as it is, then
     try {
       await this.drawing.enter(xr);
     } catch (problem) {

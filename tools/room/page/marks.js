@@ -69,8 +69,8 @@ class PersonMark {
   constructor(name, colour, scene, whole) {
     this.key = name + colour;
     this.group = new THREE.Group();
-    const material = new THREE.MeshBasicMaterial({color: colour});
-    const dark = new THREE.MeshBasicMaterial({color: 0x22303a});
+    const material = new THREE.MeshLambertMaterial({color: colour});
+    const dark = new THREE.MeshLambertMaterial({color: 0x22303a});
     const solid = (geometry, of = material) => new THREE.Mesh(geometry, of);
     this.head = new THREE.Group().add(
       solid(new THREE.SphereGeometry(1, 20, 14).scale(0.085, 0.115, 0.1)),
