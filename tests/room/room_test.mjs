@@ -4,16 +4,14 @@
 // Two pages in contexts of their own and a native peer in one room: what docs/room.md promises.
 import assert from 'node:assert/strict';
 import {after, before, describe, test} from 'node:test';
-import {ask, direct, distance, furthest, openPage, others, pause, pose, poses, startBrowser, startPeer, startServer,
+import {ask, atRest, direct, furthest, openPage, others, pause, pose, poses, startBrowser, startPeer, startServer,
         until} from './support.mjs';
 
 const CUBE = 'cube/9';   // the uppermost one
 const PLANK = 'plank/0'; // lies by itself, and lies down again
 const LIFT = 0.08;       // m
 const MARGIN = 0.1;      // s, that a pull may take beyond the way
-const AT_REST = 1e-3;    // m
 const DRAGGED = 0.01;    // m: less may be a ball that rolls to its end
-const STILL = 1e-3;      // m, in a quarter of a second
 const BEGUN = 0.002;    // m
 const SLACK = 0.03;      // s, of two clocks and steps
 const PULLS = 3;         // of which the middle one counts: the machine may do something else meanwhile
@@ -58,28 +56,6 @@ const track = (page, name) => page.evaluate((body) => {
 
 /** When it was so high, s; undefined: never. */
 const when = (points, height) => points.find(([, z]) => z > height)?.[0];
-
-/** Waits until nothing moves anywhere, and all are as near to each other as they are then to be. */
-async function atRest(pages, native, what) {
-  const look = async () => [...await Promise.all(pages.map(poses)), ...native ? [await native.poses()] : []];
-  let before = await look();
-  let apart = Infinity;
-  let moved = Infinity;
-  const check = async () => {
-    await pause(250);
-    const now = await look();
-    moved = Math.max(...now.map((all, i) => furthest(all, before[i])));
-    apart = Math.max(...now.flatMap((all, i) => now.slice(i + 1).map((other) => furthest(all, other))));
-    before = now;
-    return moved < STILL && (apart <= AT_REST || now.length === 1);
-  };
-  await until(check, 'rest', 30).catch(async () => {
-    const bodies = Object.keys(before[0]).map((name) => [name, before.map((all) => all[name])])
-      .filter(([, places]) => places.some((place) => !place || distance(place, places[0]) > AT_REST));
-    const steps = await Promise.all(pages.map((page) => ask(page, 'session.steps')));
-    throw new Error(`${what}: ${1000 * apart} mm apart, moved by ${1000 * moved} mm, after ${steps} steps: ${JSON.stringify(bodies)}`);
-  });
-}
 
 /** What the page does when it is hidden or shown again; headless pages are always shown. */
 const hide = (page, hidden) => page.evaluate((is) => {

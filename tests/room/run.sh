@@ -23,4 +23,5 @@ source "$here/../view/needs.sh"
 [[ -f $TANDEM_ROOM_PAGE/index.html.gz ]] || skip "no page in $TANDEM_ROOM_PAGE (preset web, tandem_room_page)"
 # The browser's driver is that of the live view's tests.
 npm_modules "$here/../view"
-exec node --test --test-concurrency=1 "$@" "$here/qr_test.mjs" "$here/recorder_test.mjs" "$here/room_test.mjs"
+exec node --test --test-concurrency=1 "$@" "$here/qr_test.mjs" "$here/parts_test.mjs" "$here/recorder_test.mjs" \
+  "$here/room_test.mjs" "$here/xr_test.mjs"

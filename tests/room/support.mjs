@@ -23,6 +23,9 @@ const ARGUMENTS = ['--headless=new', '--no-sandbox', '--use-gl=angle', '--use-an
                    '--disable-features=WebRtcHideLocalIpsWithMdns', '--disable-background-timer-throttling',
                    '--disable-renderer-backgrounding'];
 
+const AT_REST = 1e-3;    // m
+const STILL = 1e-3;      // m, in a quarter of a second
+
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 export const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
 
@@ -115,7 +118,7 @@ export async function openPage(browser, link, {before, ...options} = {}) {
 }
 
 /** Something of the page's session, as `window.tandemRoom.${expression}`. */
-export const ask = (page, expression) => page.evaluate(`(() => { const {session, drawing, link} = window.tandemRoom;
+export const ask = (page, expression) => page.evaluate(`(() => { const {session, drawing, headset, link} = window.tandemRoom;
   return ${expression}; })()`);
 export const others = (page) => ask(page, 'session.members.here.length');
 export const direct = (page) => ask(page, 'session.members.here.filter((m) => m.direct?.open).length');
@@ -127,4 +130,26 @@ export const pose = (page, name) => ask(page, `[...session.world.find('${name}')
 /** The largest distance between bodies of the same name, m. */
 export function furthest(a, b) {
   return Math.max(...Object.keys(a).filter((name) => b[name]).map((name) => distance(a[name], b[name])));
+}
+
+/** Waits until nothing moves anywhere, and all are as near to each other as they are then to be. */
+export async function atRest(pages, native, what) {
+  const look = async () => [...await Promise.all(pages.map(poses)), ...native ? [await native.poses()] : []];
+  let before = await look();
+  let apart = Infinity;
+  let moved = Infinity;
+  const check = async () => {
+    await pause(250);
+    const now = await look();
+    moved = Math.max(...now.map((all, i) => furthest(all, before[i])));
+    apart = Math.max(...now.flatMap((all, i) => now.slice(i + 1).map((other) => furthest(all, other))));
+    before = now;
+    return moved < STILL && (apart <= AT_REST || now.length === 1);
+  };
+  await until(check, 'rest', 30).catch(async () => {
+    const bodies = Object.keys(before[0]).map((name) => [name, before.map((all) => all[name])])
+      .filter(([, places]) => places.some((place) => !place || distance(place, places[0]) > AT_REST));
+    const steps = await Promise.all(pages.map((page) => ask(page, 'session.steps')));
+    throw new Error(`${what}: ${1000 * apart} mm apart, moved by ${1000 * moved} mm, after ${steps} steps: ${JSON.stringify(bodies)}`);
+  });
 }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The room as a picture: bodies as instances of few solids, hands as lines with a name. World frame, z up, m.
+// The room as a picture, on a screen or in a headset: bodies as instances of few solids. World frame, z up, m.
 import * as THREE from './three.module.min.js';
 import {STATE} from './tandem.js';
-import {rotated} from './hand.js';
+import {Budget} from './budget.js';
+import {Marks} from './marks.js';
 import {plainMaterial} from './plain.js';
 import {drawsInSoftware} from './software.js';
 
 const MOST = 1024;          // instances of one solid
 const SKY = 0xe9eef2;
-const HAND_RADIUS = 0.025;  // m
 const SHADOWS = 1024;       // pixels
 const SLOW_MS = 30;         // from picture to picture
 const SETTLING = 15;        // pictures
@@ -37,8 +37,9 @@ class Solid {
   constructor(type, scene, plain) {
     this.type = SOLIDS[type];
     this.parts = [];  // {row, local: Matrix4}
-    const material = plain ? plainMaterial() : new THREE.MeshLambertMaterial();
-    this.mesh = new THREE.InstancedMesh(this.type.make(), material, MOST);
+    this.lit = new THREE.MeshLambertMaterial();
+    this.plain = plainMaterial();
+    this.mesh = new THREE.InstancedMesh(this.type.make(), plain ? this.plain : this.lit, MOST);
     this.mesh.count = 0;
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.mesh.frustumCulled = false;
@@ -54,51 +55,13 @@ class Solid {
   }
 }
 
-/** A name over a hand. */
-function label(text, colour) {
-  const canvas = document.createElement('canvas');
-  [canvas.width, canvas.height] = [256, 48];
-  const pen = canvas.getContext('2d');
-  pen.font = '600 30px system-ui, sans-serif';
-  const width = Math.min(248, pen.measureText(text).width + 20);
-  pen.fillStyle = colour;
-  pen.beginPath();
-  pen.roundRect(128 - width / 2, 2, width, 44, 12);
-  pen.fill();
-  pen.fillStyle = '#ffffff';
-  pen.textAlign = 'center';
-  pen.fillText(text, 128, 35, 236);
-  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({map: new THREE.CanvasTexture(canvas), depthTest: false}));
-  sprite.scale.set(0.42, 0.42 * 48 / 256, 1);
-  sprite.renderOrder = 2;
-  return sprite;
-}
-
-class HandMark {
-  constructor(name, colour, scene) {
-    this.key = name + colour;
-    const material = new THREE.MeshBasicMaterial({color: colour});
-    this.ball = new THREE.Mesh(new THREE.SphereGeometry(HAND_RADIUS, 16, 12), material);
-    this.line = new THREE.Line(new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3()]),
-                               new THREE.LineBasicMaterial({color: colour}));
-    this.line.frustumCulled = false;
-    this.name = label(name, colour);
-    this.group = new THREE.Group().add(this.ball, this.line, this.name);
-    scene.add(this.group);
-  }
-  place(anchor, point) {
-    this.ball.position.set(...anchor);
-    this.name.position.set(anchor[0], anchor[1], anchor[2] + 0.1);
-    const {position} = this.line.geometry.attributes;
-    position.setXYZ(0, ...anchor);
-    position.setXYZ(1, ...point);
-    position.needsUpdate = true;
-  }
-}
-
 export class Drawing {
   #solids = new Map();
-  #marks = new Map();
+  #simple;         // what is lit by corner now
+  #marks;
+  #ground;
+  #budget = null;  // of a headset's pictures
+  #scale = 1;      // of the headset's framebuffer
   #ray = new THREE.Raycaster();
   #matrix = new THREE.Matrix4();
   #body = new THREE.Matrix4();
@@ -111,7 +74,7 @@ export class Drawing {
 
   /** @param {HTMLCanvasElement} canvas @param {object} camera  target, distance, azimuth, elevation (degrees) */
   constructor(canvas, camera) {
-    this.plain = drawsInSoftware();
+    this.plain = this.#simple = drawsInSoftware();
     this.renderer = new THREE.WebGLRenderer({canvas, antialias: !this.plain});
     this.renderer.shadowMap.enabled = !this.plain;
     this.quality = this.plain ? PLAIN : BEST;
@@ -129,15 +92,28 @@ export class Drawing {
     this.scene.add(sun);
     this.sun = sun;
     const colour = 0xcfd3c9;
-    const ground = new THREE.Mesh(new THREE.PlaneGeometry(80, 80),
-                                  this.plain ? plainMaterial(colour) : new THREE.MeshLambertMaterial({color: colour}));
+    const ground = new THREE.Mesh(new THREE.PlaneGeometry(80, 80));
+    Object.assign(ground, {lit: new THREE.MeshLambertMaterial({color: colour}), plain: plainMaterial(colour)});
+    ground.material = this.plain ? ground.plain : ground.lit;
     ground.receiveShadow = true;
+    this.#ground = ground;
     this.scene.add(ground);
     const grid = new THREE.GridHelper(20, 40, 0xb3b8ae, 0xbfc4ba).rotateX(Math.PI / 2);
     grid.position.z = 1e-3;
     this.scene.add(grid);
     this.camera = new THREE.PerspectiveCamera(45, 1, 0.05, 100);
     this.camera.up.set(0, 0, 1);
+    // In a headset: where its floor is in the room, and its eyes there.
+    this.rig = new THREE.Group();
+    this.eyes = new THREE.PerspectiveCamera(70, 1, 0.05, 60);
+    this.rig.add(this.eyes);
+    this.scene.add(this.rig);
+    this.aim = new THREE.Mesh(new THREE.RingGeometry(0.18, 0.25, 32),
+                              new THREE.MeshBasicMaterial({color: 0x2b6690, depthTest: false}));
+    this.aim.renderOrder = 1;
+    this.aim.visible = false;
+    this.scene.add(this.aim);
+    this.#marks = new Marks(this.scene);
     this.look = {...camera, target: [...camera.target]};
     this.drawn = 0;
   }
@@ -147,13 +123,19 @@ export class Drawing {
     for (const part of [{shape: def.shape}, ...def.parts ?? []]) {
       const {type} = part.shape;
       if (!SOLIDS[type]) continue;  // the ground is drawn anyway
-      if (!this.#solids.has(type)) this.#solids.set(type, new Solid(type, this.scene, this.plain));
+      if (!this.#solids.has(type)) this.#solids.set(type, new Solid(type, this.scene, this.#simple));
       this.#solids.get(type).add(row, part, colour);
     }
   }
 
-  /** @param {Float64Array} states @param {Iterable<object>} hands  key, name, colour, anchor, attachment, held */
-  draw(states, hands) {
+  /** On the screen. @param {Float64Array} states @param {Iterable<object>} people  as Marks has them */
+  draw(states, people) {
+    this.#update(states, people);
+    this.#aim();
+    this.renderer.render(this.scene, this.camera);
+    ++this.drawn;
+  }
+  #update(states, people) {
     for (const {mesh, parts} of this.#solids.values()) {
       for (let i = 0; i < parts.length; ++i) {
         const at = parts[i].row * STATE;
@@ -163,10 +145,52 @@ export class Drawing {
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;  // else rays are tried against where it once was
     }
-    this.#drawHands(hands);
-    this.#aim();
-    this.renderer.render(this.scene, this.camera);
+    this.#marks.draw(people);
+  }
+
+  /** @param {function(number, ?XRFrame)} frame  what makes each picture, at the display's rate */
+  loop(frame) { this.renderer.setAnimationLoop(frame); }
+  get referenceSpace() { return this.renderer.xr.getReferenceSpace(); }
+  /** From now on pictures go to a headset. @param {XRSession} xr */
+  async enter(xr) {
+    const {renderer} = this;
+    renderer.xr.enabled = true;
+    this.#budget ??= new Budget(this.plain);
+    this.#apply(this.#budget.level);
+    this.#scale = this.#budget.level.scale;
+    renderer.xr.setFramebufferScaleFactor(this.#scale);
+    await renderer.xr.setSession(xr);
+  }
+  leave() {
+    this.renderer.xr.enabled = false;
+    this.aim.visible = false;
+    this.#apply({shadows: this.quality === BEST, plain: this.plain});
+  }
+  /**
+   * In the headset.
+   * @param {XRFrame} frame @param {object} stand @param {?number[]} target  m, where its user aims to be
+   * @param {number} now  ms @param {number} late  ms, of the world's steps
+   */
+  drawHeadset(states, people, {frame, stand, target, now, late}) {
+    const hz = this.renderer.xr.getSession().frameRate;
+    if (this.#budget.took(now, late, hz)) this.#apply(this.#budget.level);
+    const scale = this.#budget.level.scale / this.#scale;
+    for (const view of frame.getViewerPose(this.referenceSpace)?.views ?? []) view.requestViewportScale?.(scale);
+    this.rig.position.set(...stand.position);
+    this.rig.quaternion.set(...stand.orientation);
+    this.aim.visible = target !== null;
+    if (target) this.aim.position.set(target[0], target[1], 0.005);
+    this.#update(states, people);
+    this.renderer.render(this.scene, this.eyes);
     ++this.drawn;
+  }
+  /** What makes a picture quicker. */
+  #apply({shadows, plain}) {
+    this.#simple = plain;
+    this.renderer.shadowMap.autoUpdate = shadows;
+    this.sun.castShadow = shadows;
+    for (const solid of this.#solids.values()) solid.mesh.material = plain ? solid.plain : solid.lit;
+    this.#ground.material = plain ? this.#ground.plain : this.#ground.lit;
   }
 
   /** Whether it is time for a picture. @param {number} now  ms @param {number} late  ms, of the world's steps */
@@ -189,26 +213,6 @@ export class Drawing {
     this.sun.castShadow = false;
   }
 
-  #drawHands(hands) {
-    const seen = new Set();
-    for (const {key, name, colour, anchor, attachment, held} of hands) {
-      seen.add(key);
-      let mark = this.#marks.get(key);
-      if (mark && mark.key !== name + colour) {
-        this.scene.remove(mark.group);
-        mark = null;
-      }
-      mark ??= new HandMark(name, colour, this.scene);
-      this.#marks.set(key, mark);
-      const {position, orientation} = held.body;
-      mark.place(anchor, rotated([...orientation], attachment).map((x, i) => x + position[i]));
-    }
-    for (const [key, mark] of this.#marks) {
-      if (seen.has(key)) continue;
-      this.scene.remove(mark.group);
-      this.#marks.delete(key);
-    }
-  }
   #aim() {
     const canvas = this.renderer.domElement;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];

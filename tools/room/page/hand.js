@@ -3,6 +3,7 @@
 //
 // The user's hand, which holds a body by a spring: as strong as four times its weight, at most 2 m/s fast and never
 // farther than 10 cm from the point that it holds, so that a long pull tows and does not throw.
+import {minus, plus, poseOf, shortened, toWorld} from './poses.js';
 
 const FASTEST = 2;        // m/s
 const REACH = 0.1;        // m
@@ -10,20 +11,6 @@ const FORCE = 40;         // N/kg
 const FULL_AT = 0.04;     // m, from where on it pulls with all its force
 const DAMPING_RATIO = 0.7;
 const DT = 1 / 60;        // s
-
-const minus = (a, b) => a.map((x, i) => x - b[i]);
-const plus = (a, b) => a.map((x, i) => x + b[i]);
-const shortened = (way, most) => {
-  const length = Math.hypot(...way);
-  return length > most ? way.map((x) => x * most / length) : way;
-};
-
-/** v turned by a unit quaternion x, y, z, w. */
-export function rotated([x, y, z, w], v) {
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-  const t = cross([x, y, z], v).map((k) => 2 * k);
-  return plus(plus(v, t.map((k) => k * w)), cross([x, y, z], t));
-}
 
 export class Hand {
   #grab = null;
@@ -35,10 +22,7 @@ export class Hand {
     this.wanted = this.anchor;
   }
   /** m, world: what it holds. */
-  get point() {
-    const {position, orientation} = this.held.body;
-    return plus([...position], rotated([...orientation], this.attachment));
-  }
+  get point() { return toWorld(poseOf(this.held.body), this.attachment); }
   /** Before each step. @param {object} peer @param {bigint} now */
   update(peer, now) {
     this.anchor = plus(this.anchor, shortened(minus(this.wanted, this.anchor), FASTEST * DT));

@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 import {init} from './tandem.js';
 import {initCipher} from './cipher.js';
+import {Headset, offer} from './headset.js';
 import {readLink} from './link.js';
 import {Panel, fail} from './panel.js';
 import {listen} from './pointer.js';
@@ -39,13 +40,16 @@ async function start() {
   ]);
   const profile = ownProfile();
   let panel = null;
+  let headset = null;
   const session = new Session(room, link, profile, () => panel?.show());
   // Not by pictures, which take long on some machines: others are to hear of each step at its time.
   setInterval(() => session.advance(), STEP_EVERY_MS);
   // For tests, and for who looks into it.
   window.tandemRoom = {session, link};
-  document.addEventListener('visibilitychange', () => (document.hidden ? session.leave() : session.comeBack()));
-  if (document.hidden) session.leave();
+  // A browser may call the page hidden while a headset shows it.
+  const see = () => (document.hidden && !headset?.visible ? session.leave() : session.comeBack());
+  document.addEventListener('visibilitychange', see);
+  see();
   window.addEventListener('pagehide', () => session.end());
   window.addEventListener('pageshow', ({persisted}) => persisted && location.reload());
   window.addEventListener('hashchange', () => location.reload());
@@ -70,25 +74,38 @@ async function start() {
     };
   }
 
-  const hands = function* hands() {
+  headset = new Headset(drawing, session);
+  headset.onChange = see;
+  offer(document.getElementById('headset'), headset, (problem) => panel.complain(problem));
+  const people = function* people() {
     const {hand} = session;
     if (hand) yield {key: 'own', ...profile, anchor: hand.anchor, attachment: hand.attachment, held: hand.held};
+    if (headset.seen) yield {key: 'own hands', ...profile, own: true, person: headset.person()};
+    for (const {member, ...person} of session.seenPeople()) {
+      yield {key: member.id, name: member.name, colour: member.colour, person};
+    }
     for (const {member, ...seen} of session.seenHands()) {
       yield {key: member.id, name: member.name, colour: member.colour, ...seen};
     }
   };
   let shown = 0;
-  const frame = () => {
-    requestAnimationFrame(frame);
+  drawing.loop((_, frame) => {
     const now = performance.now();
-    if (!drawing.due(now, session.late)) return;
-    drawing.draw(session.world.world.states, hands());
+    if (frame) {
+      // Steps go before the picture: it may take long.
+      headset.track(now, frame);
+      session.advance();
+      const {stand, target} = headset;
+      drawing.drawHeadset(session.picture, people(), {frame, stand, target, now, late: session.late});
+    } else {
+      if (headset.active || !drawing.due(now, session.late)) return;
+      drawing.draw(session.world.world.states, people());
+    }
     if (now - shown < SHOW_MS) return;
     shown = now;
     panel.show();
-  };
-  requestAnimationFrame(frame);
-  window.tandemRoom.drawing = drawing;
+  });
+  Object.assign(window.tandemRoom, {drawing, headset});
 }
 
 start().catch((problem) => {

@@ -3,6 +3,8 @@
 //
 // What stands around the picture: who is there and how far apart the copies are, the link, the slider of latency.
 
+const COMPLAIN_MS = 8000;
+
 const $ = (id) => document.getElementById(id);
 
 const millimetres = (m) => (m < 1e-4 ? '< 0.1 mm' : m < 0.1 ? `${(1000 * m).toFixed(1)} mm` : `${m.toFixed(2)} m`);
@@ -42,6 +44,11 @@ export class Panel {
     this.show();
   }
 
+  /** For some seconds. */
+  complain(text) {
+    this.complaint = {text, until: performance.now() + COMPLAIN_MS};
+    this.show();
+  }
   show() {
     const {members, away, clock, apart} = this.session;
     const list = [this.#row(`${this.profile.name} (you)`, this.profile.colour, away ? 'away' : '')];
@@ -54,7 +61,8 @@ export class Panel {
     $('people').replaceChildren(...list);
     const most = Math.max(-1, ...members.here.filter(({away: gone}) => !gone).map(({id}) => apart.get(id)?.most ?? -1));
     $('apart').textContent = most < 0 ? 'Nobody else is here yet: invite somebody.' : `Furthest apart: ${millimetres(most)}`;
-    const state = away ? 'This page takes no part while it is not seen.' :
+    const complaint = this.complaint?.until > performance.now() ? this.complaint.text : '';
+    const state = complaint ? complaint : away ? 'This page takes no part while it is not seen.' :
       members.strangers && members.here.length === 0 ?
         'Somebody is here whom this page cannot understand: the key after the # of its link is another one. ' +
         'Ask for the whole link.' :

@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Mouse and fingers: on a body they hold it, beside it they turn the picture; two fingers zoom, as the wheel does.
-import {rotated} from './hand.js';
+import {poseOf, toLocal} from './poses.js';
 
 const DEGREES = 0.35;  // each pixel
 
@@ -27,9 +27,7 @@ export function listen(canvas, drawing, session) {
     const hit = drawing.pick(event.offsetX, event.offsetY);
     const held = hit && session.world.bodies[hit.row];
     if (!held || !(held.mass > 0) || !session.running) return;
-    const {position, orientation} = held.body;
-    const [x, y, z, w] = orientation;
-    session.grab(held, rotated([-x, -y, -z, w], hit.point.map((p, i) => p - position[i])));
+    session.grab(held, toLocal(poseOf(held.body), hit.point));
     holds = event.pointerId;
     depth = hit.point;
   });

@@ -6,8 +6,10 @@
 // he is heard.
 import {Peer, Transport} from './tandem.js';
 import {Clock} from './clock.js';
+import {Grip} from './grip.js';
 import {Hand} from './hand.js';
 import {CONSTRAINTS, DIGEST, HAND, Members, STATES} from './members.js';
+import {Presence, encodeHeadset, encodePointer} from './presence.js';
 import {RoomWorld, STEP_MS, WAIT} from './world.js';
 
 const STEP_NS = 16666667n;
@@ -22,12 +24,11 @@ const AWAY_EVERY_MS = 2000;
 const ASK_SOON_MS = 200;
 const ASK_TIME_MS = 10000;
 const PACKET_BYTES = 1100;   // a data channel must not cut what may be lost
-const HANDS_FOR_MS = 1000;
 // Less than half of the default's budget, for pages that step 200 bodies on one core and draw them there (docs/room.md).
 const PEER = {compact: true, replayBudget: 1.5};
 const MADE_EACH = 64;
 const TELL_MS = 1000;        // nobody makes this page say all again more often
-const HAND_BYTES = 24;       // anchor (world) and attachment (body), f32; the body's name follows
+const POINTER = 'pointer';   // the hand of mouse or finger; those of a headset are 'left' and 'right'
 
 export class Session {
   #peer = null;
@@ -44,10 +45,12 @@ export class Session {
     this.changed = changed;
     this.world = new RoomWorld(room);
     this.clock = new Clock();
-    this.hand = null;
+    this.holding = new Map();  // by which hand: what has held, anchor, attachment
+    /** Where the headset's user is: poses of head, left and right where they are known; null without a headset. */
+    this.seen = null;
     this.away = false;
     this.apart = new Map();   // by member: {typical, most}, m
-    this.hands = new Map();   // by member: {id, anchor, attachment, at}
+    this.presence = new Presence((name) => this.world.find(name));
     this.onMade = () => {};
     this.onHand = () => {};   // at each step: session time (ms), the hand or null
     this.steps = 0;
@@ -101,16 +104,35 @@ export class Session {
     return steps;
   }
 
-  /** Holds a body at a point of its own frame; nothing is held after that but this. */
+  /** What mouse or finger holds. */
+  get hand() { return this.holding.get(POINTER) ?? null; }
+  /** Holds a body at a point of its own frame; the pointer holds nothing after that but this. */
   grab(held, attachment) {
     this.release();
-    this.hand = new Hand(held, attachment);
+    this.holding.set(POINTER, new Hand(held, attachment));
   }
   release() {
-    if (!this.hand) return;
-    this.hand.release(this.#peer);
-    this.hand = null;
-    this.members.sendAll(HAND, new Uint8Array(0));
+    if (this.#letGo(POINTER)) this.members.sendAll(HAND, new Uint8Array(0));
+  }
+  /** A hand of a headset holds a body. @param {string} side  left or right @param {object} pose  of the hand, world */
+  grip(side, held, pose) {
+    this.letGo(side);
+    this.holding.set(side, new Grip(held, pose));
+    this.#shareLoads();
+  }
+  letGo(side) {
+    if (this.#letGo(side)) this.#shareLoads();
+  }
+  /** Where head and hands of the headset's user are now; null: there is no headset any more. */
+  track(seen) {
+    if (this.seen && !seen) this.members.sendAll(HAND, new Uint8Array(0));
+    this.seen = seen;
+    const time = this.clock.known ? this.clock.now() : 0;
+    for (const [side, grip] of this.holding) if (seen?.[side]) grip.track(time, seen[side]);
+  }
+  letGoOfAll() {
+    this.release();
+    for (const side of [...this.holding.keys()]) this.letGo(side);
   }
   /** Puts a body into the room. @param {object} shape @param {number[]} position  m */
   make(shape, position) {
@@ -122,7 +144,7 @@ export class Session {
   /** The page is no longer seen. */
   leave() {
     if (this.away) return;
-    this.release();
+    this.letGoOfAll();
     this.#peer.leave(this.now > 0n ? this.now : 1n);
     this.away = true;
     this.members.sayAll({away: true});
@@ -143,7 +165,7 @@ export class Session {
 
   /** As a newcomer. */
   #join() {
-    if (this.hand) this.hand = null;
+    this.holding.clear();
     this.#peer?.free();
     this.#transport.take();
     this.world.forget();
@@ -151,7 +173,7 @@ export class Session {
     for (const {name, body, mass} of this.world.bodies) if (mass > 0) this.#peer.share(name, body);
   }
   #advance() {
-    this.hand?.update(this.#peer, this.now);
+    for (const hand of this.holding.values()) hand.update(this.#peer, this.now);
     this.onHand(this.time, this.hand);
     this.#peer.beforeStep(this.now);
     this.world.step();
@@ -159,6 +181,7 @@ export class Session {
     ++this.steps;
     this.#peer.afterStep(this.now);
     this.world.remember(this.time);
+    for (const [side, {lost}] of this.holding) if (lost) this.letGo(side);
     this.#compare();
     if (this.#step % DIGEST_EVERY === 0) {
       this.members.sendAll(DIGEST, this.world.digest(this.now));
@@ -166,7 +189,7 @@ export class Session {
     }
     // Where ways change words may be lost: who has less is told all.
     if (this.#step % HAVE_EVERY === 0) this.members.sayAll({have: this.world.made.length});
-    if (this.hand && this.#step % HAND_EVERY === 0) this.members.sendAll(HAND, this.#handBytes());
+    if (this.#step % HAND_EVERY === 0) this.#tellHands();
   }
   /** What others have said of their bodies, once this world is as far. */
   #compare() {
@@ -206,7 +229,7 @@ export class Session {
   }
   #left(member) {
     this.apart.delete(member.id);
-    this.hands.delete(member.id);
+    this.presence.forget(member.id);
     this.#digests.delete(member.id);
     this.#changed();
   }
@@ -227,32 +250,42 @@ export class Session {
     } else if (channel === DIGEST && !this.away) {
       this.#digests.set(member.id, bytes.slice());
     } else if (channel === HAND) {
-      this.#hear(member, bytes);
+      this.presence.hear(member.id, bytes);
     }
   }
-  #handBytes() {
-    const {held, anchor, attachment} = this.hand;
-    const places = new Uint8Array(new Float32Array([...anchor, ...attachment]).buffer);
-    return new Uint8Array([...places, ...new TextEncoder().encode(held.name)]);
+  #letGo(which) {
+    const hand = this.holding.get(which);
+    if (!hand) return false;
+    hand.release(this.#peer);
+    return this.holding.delete(which);
   }
-  #hear(member, bytes) {
-    if (bytes.length < HAND_BYTES || bytes.length > HAND_BYTES + 64) {
-      this.hands.delete(member.id);
-      return;
-    }
-    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
-    const numbers = Array.from({length: 6}, (_, i) => view.getFloat32(4 * i, true));
-    const held = this.world.find(new TextDecoder().decode(bytes.subarray(HAND_BYTES)));
-    if (!held || !numbers.every(Number.isFinite)) return;
-    this.hands.set(member.id, {held, anchor: numbers.slice(0, 3), attachment: numbers.slice(3), at: performance.now()});
+  #shareLoads() {
+    const grips = [...this.holding.values()].filter((hand) => hand instanceof Grip);
+    for (const grip of grips) grip.share(grips.filter(({held}) => held === grip.held).length, this.#peer);
+  }
+  #tellHands() {
+    if (this.seen) this.members.sendAll(HAND, encodeHeadset(this.seen, this.holding));
+    else if (this.hand) this.members.sendAll(HAND, encodePointer(this.hand));
   }
   peerStats() { return this.#peer.stats(); }
-  /** Hands of others that were heard of lately. */
+  /** What others hold by mouse or finger, as far as it was heard of lately. */
   *seenHands() {
-    for (const [id, hand] of this.hands) {
-      const member = this.members.all.get(id);
-      if (member?.here && performance.now() - hand.at < HANDS_FOR_MS) yield {member, ...hand};
+    for (const member of this.members.here) {
+      const hand = this.presence.pointer(member.id);
+      if (hand) yield {member, ...hand};
     }
+  }
+  /** Others in headsets. */
+  *seenPeople() {
+    for (const member of this.members.here) {
+      const person = this.presence.person(member.id);
+      if (person) yield {member, ...person};
+    }
+  }
+  /** The states at the picture's time, a step before session time (docs/render-loop.md). */
+  get picture() {
+    if (!this.running) return this.world.world.states;
+    return this.world.between(this.clock.now() / STEP_MS - this.#step);
   }
 }
 

@@ -40,6 +40,7 @@ function summary(values) {
 export class RoomWorld {
   #ids = new Map();   // upper half of a shared id: row
   #past = [];         // of the last steps: {time: ms, states}
+  #shown = new Float64Array(0);
 
   /** @param {object} room  its file */
   constructor(room) {
@@ -82,6 +83,28 @@ export class RoomWorld {
     this.#past.push({time, states: kept});
   }
   forget() { this.#past = []; }
+  /** Poses between the last two steps, as `states`; without velocities. @param {number} part  of a step since the last one; cut to 0 to 1 */
+  between(part) {
+    const [before, last] = this.#past.slice(-2).map(({states}) => states);
+    const {states} = this.world;
+    if (!last || before.length !== last.length || last.length !== states.length) return states;
+    const share = Math.min(1, Math.max(0, part));
+    if (this.#shown.length !== last.length) this.#shown = new Float64Array(last.length);
+    const shown = this.#shown;
+    for (let at = 0; at < last.length; at += STATE) {
+      for (let k = 0; k < 3; ++k) shown[at + k] = before[at + k] + share * (last[at + k] - before[at + k]);
+      let dot = 0;
+      for (let k = 3; k < 7; ++k) dot += before[at + k] * last[at + k];
+      let square = 0;
+      for (let k = 3; k < 7; ++k) {
+        const from = dot < 0 ? -before[at + k] : before[at + k];
+        shown[at + k] = from + share * (last[at + k] - from);
+        square += shown[at + k] ** 2;
+      }
+      for (let k = 3; k < 7; ++k) shown[at + k] /= Math.sqrt(square);
+    }
+    return this.#shown;
+  }
 
   /** Session time, ns, and of each body the upper half of its id and its position. @param {bigint} time */
   digest(time) {

@@ -22,7 +22,8 @@ enum class Channel : std::uint8_t {
   Reliable = 1,  ///< of the sharing
   Words = 2,     ///< JSON: who is away, what was made, how to meet directly
   Digest = 3,    ///< where the sender's bodies are, to be compared
-  Hand = 4,      ///< where the sender's hand is: f32 anchor and attachment, and the body's name
+  Hand = 4,      ///< where the sender's hand is: f32 anchor and attachment, and the body's name.
+                 ///< Pages in headsets say head and hands (docs/room.md)
 };
 
 /// Members of a room as a transport between peers, by way of the room's server.
