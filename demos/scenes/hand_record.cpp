@@ -3,14 +3,13 @@
 #include "scenes/hand_record.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
+#include "tandem/pbd/parse_number.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::demos {
@@ -45,10 +44,8 @@ class RecordLine {
   Number number(std::string_view field, Number low, Number high, std::string_view rule) {
     const std::string_view text = word();
     Number value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     // Written so that NaN is refused as well.
-    const bool good =
-        error == std::errc{} && end == text.data() + text.size() && value >= low && value <= high;
+    const bool good = pbd::detail::parse_number(text, value) && value >= low && value <= high;
     if (!good) refuse(field, rule, text);
     return value;
   }

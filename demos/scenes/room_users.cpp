@@ -14,7 +14,6 @@ namespace {
 using pbd::Vec3;
 
 constexpr int kRight = 1;
-constexpr double kSag = 0.01;  // m, see GripSpec::for_load
 const Vec3 kHandOver(0.0, 0.2, 1.15);
 const Vec3 kStack(1.05, 0.45, RoomScenario::kTable);
 const Vec3 kSpread(0.03, 0.03, 0.0);
@@ -91,7 +90,7 @@ void carry(Person& me, const std::string& name, const Vec3& place) {
   reach(me, place_of(me, name), 0.5);
   grasp(me, name, 1.0, kSpread);
   reach(me, raised(0.2), 0.4);
-  const Vec3 sag(0.0, 0.0, kSag);
+  const Vec3 sag(0.0, 0.0, GripSpec::kSag);
   reach_to(me, place + sag + Vec3(0.0, 0.0, 0.12), 0.7);
   reach_to(me, place + sag, 0.5);
   reach_to(me, place - 0.3 * sag, 0.3);  // until it stands
@@ -133,7 +132,7 @@ void take_over(Person& me) {
     return true;
   });
   const Vec3 place = kStack + Vec3(0.0, 0.0, 0.5 * RoomScenario::kBox);
-  const Vec3 sag(0.0, 0.0, kSag);
+  const Vec3 sag(0.0, 0.0, GripSpec::kSag);
   reach_to(me, place + Vec3(0.0, 0.0, 0.25), 1.0);
   reach_to(me, place + sag, 0.6);
   reach_to(me, place - 0.3 * sag, 0.3);

@@ -9,7 +9,6 @@
 namespace tandem::demos {
 
 GripSpec GripSpec::for_load(double load, const pbd::Vec3& spread) {
-  constexpr double kSag = 0.01;
   constexpr double kDampingRatio = 0.7;
   constexpr double kStrength = 4.0;
   const double weight = load * 9.81;

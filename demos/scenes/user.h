@@ -71,7 +71,10 @@ struct GripSpec {
   double max_force = 15.0;                        ///< N, each
   pbd::Vec3 spread = pbd::Vec3(0.04, 0.04, 0.0);  ///< m, half axes of the triangle of attachments
 
-  /// A loose grip: `load` (kg) sags by 1 cm, moves with a damping ratio of 0.7, and the hand is
+  static constexpr double kSag =
+      0.01;  ///< m, by how much the load of for_load() hangs below the hand
+
+  /// A loose grip: `load` (kg) sags by kSag, moves with a damping ratio of 0.7, and the hand is
   /// four times as strong as it must be. Spread as given, a negative half axis mirrors it.
   static GripSpec for_load(double load, const pbd::Vec3& spread);
 };
