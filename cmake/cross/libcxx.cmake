@@ -5,3 +5,6 @@
 set(CMAKE_C_COMPILER clang-19)
 set(CMAKE_CXX_COMPILER clang++-19)
 set(CMAKE_CXX_FLAGS_INIT -stdlib=libc++)
+if(TANDEM_SYSROOT)
+  set(ENV{PKG_CONFIG_PATH} "${TANDEM_SYSROOT}/lib/pkgconfig")
+endif()

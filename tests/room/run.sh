@@ -24,4 +24,4 @@ source "$here/../view/needs.sh"
 # The browser's driver is that of the live view's tests.
 npm_modules "$here/../view"
 exec node --test --test-concurrency=1 "$@" "$here/qr_test.mjs" "$here/parts_test.mjs" "$here/recorder_test.mjs" \
-  "$here/room_test.mjs" "$here/xr_test.mjs"
+  "$here/room_test.mjs" "$here/xr_test.mjs" "$here/systems_test.mjs"

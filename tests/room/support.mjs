@@ -54,8 +54,8 @@ export async function startBrowser({core} = {}) {
 }
 
 /** A program that ends with its test. @returns {Promise<object>}  once its first line is there */
-async function start(program, options) {
-  const child = spawn(join(BIN, program), options, {stdio: ['pipe', 'pipe', 'inherit']});
+async function start([program, ...options]) {
+  const child = spawn(program, options, {stdio: ['pipe', 'pipe', 'inherit']});
   const over = new Promise((resolve) => child.on('close', resolve));
   const lines = createInterface({input: child.stdout});
   return {
@@ -69,7 +69,7 @@ async function start(program, options) {
 
 /** @returns {Promise<{link: string, url: string, stop: function}>}  link: with the key, url: up to the token */
 export async function startServer(options = []) {
-  const server = await start('tandem-room', ['--page', PAGE, ...options]);
+  const server = await start([join(BIN, 'tandem-room'), '--page', PAGE, ...options]);
   server.link = await new Promise((resolve, reject) => {
     server.lines.once('line', resolve);
     server.over.then((code) => reject(new Error(`tandem-room ended with ${code}`)));
@@ -78,10 +78,9 @@ export async function startServer(options = []) {
   return server;
 }
 
-/** A native peer, told by say() and heard by `heard`. */
-export async function startPeer(link, room = 'sandbox', options = []) {
-  const peer = await start('tandem-room-peer', [link, '--scene', join(root, `tools/room/page/room-${room}.json`),
-                                                ...options]);
+/** A peer that is no page, told by say() and heard by `heard`. @param command  that runs it, here as a program of this system */
+export async function startPeer(link, room = 'sandbox', options = [], command = [join(BIN, 'tandem-room-peer')]) {
+  const peer = await start([...command, link, '--scene', join(root, `tools/room/page/room-${room}.json`), ...options]);
   peer.heard = [];
   peer.others = 0;
   peer.track = [];
@@ -133,8 +132,9 @@ export function furthest(a, b) {
 }
 
 /** Waits until nothing moves anywhere, and all are as near to each other as they are then to be. */
-export async function atRest(pages, native, what) {
-  const look = async () => [...await Promise.all(pages.map(poses)), ...native ? [await native.poses()] : []];
+export async function atRest(pages, natives, what) {
+  const peers = [natives ?? []].flat();
+  const look = () => Promise.all([...pages.map(poses), ...peers.map((peer) => peer.poses())]);
   let before = await look();
   let apart = Infinity;
   let moved = Infinity;

@@ -2,9 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // A native peer in a room: see kUsage and docs/room.md.
-#include <poll.h>
 #include <sodium.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -15,8 +13,10 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "arguments/arguments.h"
+#include "peer/line_input.h"
 #include "peer/room_peer.h"
 
 namespace {
@@ -57,32 +57,6 @@ json place_of(room::RoomPeer& peer, const room::RoomScene::Body& body) {
   return {at.x(), at.y(), at.z()};
 }
 
-/// What is typed, without waiting for it.
-class Input {
- public:
-  /// False at the end.
-  bool take(std::string& line) {
-    line.clear();
-    const std::size_t end = text_.find('\n');
-    if (end != std::string::npos) {
-      line = text_.substr(0, end);
-      text_.erase(0, end + 1);
-      return true;
-    }
-    pollfd ready{0, POLLIN, 0};
-    if (over_ || poll(&ready, 1, 0) <= 0) return !over_;
-    char bytes[512];
-    const ssize_t got = read(0, bytes, sizeof bytes);
-    over_ = got <= 0;
-    if (got > 0) text_.append(bytes, static_cast<std::size_t>(got));
-    return true;
-  }
-
- private:
-  std::string text_;
-  bool over_ = false;
-};
-
 class Program {
  public:
   Program(room::RoomPeer& peer, bool stay) : peer_(peer), stay_(stay) {}
@@ -106,7 +80,7 @@ class Program {
         members = peer_.transport().members();
         print({{"others", members}});
       }
-      usleep(2000);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }
 
@@ -142,7 +116,7 @@ class Program {
   room::RoomPeer& peer_;
   bool stay_;
   bool quit_ = false;
-  Input input_;
+  room::LineInput input_;
   std::string watched_;
 };
 
