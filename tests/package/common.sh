@@ -23,14 +23,7 @@ fail_with_log() {
   fail "$@"
 }
 
-# What a way takes a user who has nothing but the package: begin, and took WAY, which prints it.
-begin() {
-  began=$(date +%s%N)
-}
-took() {
-  local ms=$((($(date +%s%N) - began) / 1000000))
-  printf 'from nothing: %s: %d.%d s\n' "$1" $((ms / 1000)) $((ms % 1000 / 100))
-}
+source "$here/timing.sh"
 
 # consumer COMPONENT PREFIX PACKAGE...: configure (with these packages out of reach), build and run. Callers may
 # have `options` for CMake and `runner`, which runs programs of another system.

@@ -9,6 +9,7 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 package=${1:-$root/build/web/package}
 scratch=$(mktemp -d)
+source "$root/tests/package/timing.sh"
 trap 'rm -rf "$scratch"' EXIT
 
 fail() {
@@ -33,7 +34,7 @@ done
 tar -C "$scratch" -xzf "$archive"
 ! grep -rlF "$root" "$scratch/package" || fail "the files above know where they were built"
 
-began=$(date +%s%N)
+begin
 mkdir "$scratch/project"
 cp "$root/tests/package/fall.mjs" "$scratch/project/fall.mjs"
 cd "$scratch/project"
@@ -42,4 +43,5 @@ npm install --offline --no-audit --no-fund --silent "$archive" || fail "npm does
 node fall.mjs || fail "the package does not run"
 sed "s,from 'tandem-physics',from 'tandem-physics/compat'," fall.mjs >compat.mjs
 node compat.mjs >/dev/null || fail "the package for pages that load scripts alone does not run"
-echo "from nothing: npm: $((($(date +%s%N) - began) / 1000000)) ms, $(stat -c %s "$archive") bytes"
+took npm
+echo "npm: $(stat -c %s "$archive") bytes"

@@ -8,6 +8,7 @@
 set -euo pipefail
 program=$1
 scratch=$(mktemp -d)
+source "$(dirname "${BASH_SOURCE[0]}")/timing.sh"
 server=
 trap '[[ -z $server ]] || kill "$server"; rm -rf "$scratch"' EXIT
 
@@ -16,7 +17,7 @@ fail() {
   exit 1
 }
 
-began=$(date +%s%N)
+begin
 if [[ $# -gt 1 ]]; then
   page=$scratch/share/tandem/room
   mkdir -p "$page" "$scratch/bin"
@@ -51,4 +52,4 @@ try:
 except urllib.error.HTTPError as error:
     assert error.code == 404, error
 PYTHON
-echo "from nothing: room, from start to page: $((($(date +%s%N) - began) / 1000000)) ms"
+took "room, from start to page"

@@ -20,6 +20,8 @@ zip=$(echo "$scratch"/packages/*.zip)
 [[ -f $zip ]] || fail "there is no zip"
 echo "windows: $(basename "$zip"), $(stat -c %s "$zip") bytes"
 
+# Wine's own folder, where it is new, is no part of what the zip takes.
+wine cmd /c exit >"$scratch/said" 2>&1 </dev/null || fail "wine does not run"
 begin
 (cd "$scratch" && cmake -E tar xf "$zip")
 prefix=$scratch/$(basename "$zip" .zip)
