@@ -4,8 +4,10 @@
 # Packages for Debian: cpack in the build folder of the preset "shared" makes
 #   libtandem0.1    the shared libraries
 #   libtandem-dev   headers, CMake and pkg-config files, the libraries' links
-#   tandem-demos    tandem-peer, tandem-key, tandem-replay, tandem-demo and what it runs
+#   tandem-demos    tandem-peer, tandem-key, tandem-replay, tandem-demo and what it runs; tandem-room,
+#                   tandem-room-peer, and their page where TANDEM_ROOM_PAGE has it
 #   python3-tandem  the Python package, with TANDEM_BUILD_PYTHON
+# for amd64, and by the preset "arm64_shared" for arm64.
 find_program(TANDEM_DPKG_DEB dpkg-deb)
 mark_as_advanced(TANDEM_DPKG_DEB)
 if(NOT TANDEM_DPKG_DEB OR NOT BUILD_SHARED_LIBS)
@@ -37,9 +39,19 @@ endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
+set(needs)
+if(CMAKE_CROSSCOMPILING)
+  # Whose packages the libraries of the system are, dpkg knows of this machine's own alone. FCL, libccd,
+  # libsodium and tinyobjloader are inside; the compiler's runtime is that of Debian 12.
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  set(needs "libc6 (>= 2.36), libgcc-s1 (>= 3.3), libstdc++6 (>= 12)")
+  set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "${needs}")
+  string(PREPEND needs ", ")
+else()
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+endif()
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(runtime libtandem${tandem_abi})
@@ -60,7 +72,7 @@ set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
 set(CPACK_COMPONENT_DEV_DESCRIPTION
     "Headers, CMake and pkg-config files, and the libraries' links.")
 set(CPACK_COMPONENT_DEMOS_DESCRIPTION
-    "Demonstrations, and a peer for long sessions.")
+    "Demonstrations, a peer for long sessions, and rooms by a link.")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION
     "Scenes, states as numpy arrays and batches for Python.")
 # The demos' libraries are in no package yet when their dependencies are looked for.
@@ -72,7 +84,7 @@ foreach(module IN ITEMS pbd collision scene scene_files urdf mjcf obj consensus 
   endif()
 endforeach()
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${folders}")
-set(CPACK_DEBIAN_DEMOS_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_DEMOS_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION})${needs}")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "${runtime} (= ${PROJECT_VERSION}), ${tandem_python_needs}")
 

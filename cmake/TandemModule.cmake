@@ -52,6 +52,15 @@ function(tandem_module name)
   foreach(dependency IN LISTS arg_PRIVATE_LINK)
     # A header-only dependency leaves nothing for a consumer's linker, so the installed package
     # does not mention it: tandem::net is used without Asio's headers.
+    get_target_property(bundled ${dependency} TANDEM_BUNDLED)
+    if(bundled)
+      # Compiled with Tandem, as the system has none: static libraries are installed with it.
+      target_link_libraries(${target} PRIVATE ${bundled})
+      if(NOT BUILD_SHARED_LIBS)
+        install(TARGETS ${bundled} EXPORT tandem-${name}-targets ARCHIVE COMPONENT dev)
+      endif()
+      continue()
+    endif()
     get_target_property(type ${dependency} TYPE)
     get_target_property(libraries ${dependency} INTERFACE_LINK_LIBRARIES)
     if(type STREQUAL "INTERFACE_LIBRARY" AND NOT libraries)

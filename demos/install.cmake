@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# The programs and tools, for packages: `cmake --install BUILD --component demos`. Not with the libraries. The
-# demos' names are those of everyday things, so they lie in a folder of their own, and tandem-demo
-# runs them.
+# The programs and tools, which are installed with the libraries. The demos' names are those of everyday things, so they
+# lie in a folder of their own, and tandem-demo runs them.
 if(NOT TARGET cubes)
   return()
 endif()
@@ -19,19 +18,31 @@ function(_install_programs destination)
       endif()
     endif()
   endforeach()
-  install(TARGETS ${programs} RUNTIME DESTINATION "${destination}" COMPONENT demos EXCLUDE_FROM_ALL)
+  install(TARGETS ${programs} RUNTIME DESTINATION "${destination}" COMPONENT demos)
 endfunction()
 
 # What of other projects is in the programs.
 install(FILES "${CMAKE_CURRENT_LIST_DIR}/NOTICES.txt"
-        DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/tandem-demos"
-        COMPONENT demos EXCLUDE_FROM_ALL)
+        DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/tandem-demos" COMPONENT demos)
 
 set(folder "${CMAKE_INSTALL_LIBEXECDIR}/tandem/demos")
+if(WIN32)
+  set(folder demos)
+endif()
 _install_programs("${folder}" cliff cubes piano pile plaza room tennis)
-_install_programs("${CMAKE_INSTALL_BINDIR}" tandem-peer tandem-key tandem-replay)
-file(RELATIVE_PATH up "/${CMAKE_INSTALL_BINDIR}" "/${folder}")
-configure_file("${CMAKE_CURRENT_LIST_DIR}/tandem-demo.in" "${CMAKE_CURRENT_BINARY_DIR}/tandem-demo"
-               @ONLY)
-install(PROGRAMS "${CMAKE_CURRENT_BINARY_DIR}/tandem-demo" DESTINATION "${CMAKE_INSTALL_BINDIR}"
-        COMPONENT demos EXCLUDE_FROM_ALL)
+_install_programs("${CMAKE_INSTALL_BINDIR}" tandem-peer tandem-key tandem-replay tandem-room tandem-room-peer)
+if(NOT WIN32)
+  file(RELATIVE_PATH up "/${CMAKE_INSTALL_BINDIR}" "/${folder}")
+  configure_file("${CMAKE_CURRENT_LIST_DIR}/tandem-demo.in" "${CMAKE_CURRENT_BINARY_DIR}/tandem-demo"
+                 @ONLY)
+  install(PROGRAMS "${CMAKE_CURRENT_BINARY_DIR}/tandem-demo" DESTINATION "${CMAKE_INSTALL_BINDIR}"
+          COMPONENT demos)
+endif()
+
+# The page that tandem-room serves, where it has been built or unpacked.
+if(TARGET tandem-room)
+  set(TANDEM_ROOM_PAGE "${PROJECT_SOURCE_DIR}/build/web/room" CACHE PATH
+      "Folder of the rooms' page, installed where it is there when installing")
+  install(DIRECTORY "${TANDEM_ROOM_PAGE}/" DESTINATION "${CMAKE_INSTALL_DATADIR}/tandem/room"
+          COMPONENT demos OPTIONAL FILES_MATCHING PATTERN "*.gz")
+endif()

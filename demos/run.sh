@@ -8,7 +8,8 @@
 #   demos/run.sh tennis --profile 5
 # or plaza, a square for very many people over a NATS server, which it starts unless --server names one:
 #   demos/run.sh plaza --people 200
-# or opens rooms in the browser and prints a link; who has it is in (docs/room.md):
+# or opens rooms in the browser and prints a link; who has it is in (docs/room.md). With TANDEM_ROOM_PAGE, the page of a
+# release as a folder or archive, emscripten is not needed:
 #   demos/run.sh room-link
 # or draws key frames of all of them as PNG (needs Chromium):
 #   demos/run.sh --pictures docs/img
@@ -63,7 +64,7 @@ run_plaza() {
   "$root/build/nats/bin/plaza" --server "$address" "$@"
 }
 
-# The page is built unless TANDEM_ROOM_PAGE names a folder that has it.
+# The page is built unless TANDEM_ROOM_PAGE names a folder or a release's archive that has it.
 run_room_link() {
   local page=${TANDEM_ROOM_PAGE:-$root/build/web/room}
   if [[ -z ${TANDEM_ROOM_PAGE:-} ]]; then
@@ -71,6 +72,11 @@ run_room_link() {
     bash "$root/bindings/web/fetch-sources.sh" "$root/build/web_sources" >&2
   else
     bash "$root/cmake/install-deps.sh" --with-view >&2
+  fi
+  if [[ $page == *.tar.gz ]]; then
+    mkdir -p "$root/build/room_page"
+    tar -C "$root/build/room_page" --strip-components 1 -xzf "$page"
+    page=$root/build/room_page
   fi
   (
     cd "$root"

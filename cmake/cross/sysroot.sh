@@ -49,7 +49,7 @@ cp -r build/web_sources/libsodium "$build/source"
 cd "$build/source"
 {
   autoreconf -if &&
-  ./configure --host="$host" CC="$compiler" --prefix="$sysroot" --disable-shared --enable-static &&
+  ./configure --host="$host" CC="$compiler" --prefix="$sysroot" --disable-shared --enable-static --with-pic &&
   make -j"${CMAKE_BUILD_PARALLEL_LEVEL:-2}" -C src &&
   make -C src install &&
   make install-pkgconfigDATA

@@ -23,19 +23,29 @@ fail_with_log() {
   fail "$@"
 }
 
-# consumer COMPONENT PREFIX PACKAGE...: configure (with these packages out of reach), build and run.
+source "$here/timing.sh"
+
+# consumer COMPONENT PREFIX PACKAGE...: configure (with these packages out of reach), build and run. Callers may
+# have `options` for CMake and `runner`, which runs programs of another system.
+options=()
+runner=()
 consumer() {
-  local component=$1 prefix=$2 package
+  local component=$1 prefix=$2 package program
   shift 2
   local hidden=()
   for package in "$@"; do
     hidden+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
   done
   cmake -S "$here" -B "$scratch/$component" -DCOMPONENT="$component" \
-    -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release "${hidden[@]}" >"$scratch/log" 2>&1 &&
+    -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release "${hidden[@]}" "${options[@]}" >"$scratch/log" 2>&1 &&
     cmake --build "$scratch/$component" >>"$scratch/log" 2>&1 ||
     fail_with_log "the consumer of $component does not build"
-  "$scratch/$component/consumer" || fail "the consumer of $component fails"
+  program=$scratch/$component/consumer
+  [[ ! -f $program.exe ]] || program+=.exe
+  # By a file and without input, as wine goes on holding a pipe.
+  "${runner[@]}" "$program" >"$scratch/said" 2>&1 </dev/null ||
+    { cat "$scratch/said" >&2; fail "the consumer of $component fails"; }
+  tr -d '\r' <"$scratch/said"
 }
 
 if [[ ! -f $build/CMakeCache.txt ]]; then

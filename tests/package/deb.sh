@@ -3,7 +3,8 @@
 # Copyright (c) 2026 The Tandem authors
 #
 # Packages for Debian: made, unpacked into a folder, and used from there.
-#   tests/package/deb.sh [BUILD]   default build/shared; configured where missing
+#   tests/package/deb.sh [BUILD [PRESET]]   default build/shared and shared; configured where missing. With
+#                                           arm64_shared the programs run on qemu
 # Exits with 77 where there is no dpkg-deb, and says so.
 set -euo pipefail
 command -v dpkg-deb >/dev/null || {
@@ -11,11 +12,16 @@ command -v dpkg-deb >/dev/null || {
   exit 77
 }
 
-source "$(dirname "${BASH_SOURCE[0]}")/common.sh" deb shared "$@"
+preset=${2:-shared}
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh" deb "$preset" "${1-}"
+if [[ $preset == arm64_shared ]]; then
+  options=(-DCMAKE_TOOLCHAIN_FILE="$root/cmake/cross/aarch64-linux.cmake" -DEigen3_DIR=/usr/share/eigen3/cmake)
+  runner=(qemu-aarch64 -L /usr/aarch64-linux-gnu)
+fi
 # What is packed, and nothing else.
 targets=(tandem_scene tandem_session tandem_obj tandem_scene_files tandem_c_session tandem_c_files)
 known=$(cmake --build "$build" --target help)
-for program in cliff cubes piano pile room tennis tandem-key tandem-peer tandem-replay; do
+for program in cliff cubes piano pile room tennis tandem-key tandem-peer tandem-replay tandem-room tandem-room-peer; do
   if grep -qE "^$program:" <<<"$known"; then targets+=("$program"); fi
 done
 cmake --build "$build" --target "${targets[@]}"
@@ -24,9 +30,10 @@ cmake --build "$build" --target "${targets[@]}"
   fail_with_log "cpack fails"
 packages=("$scratch"/packages/*.deb)
 [[ ${#packages[@]} -eq 3 ]] || fail "these are not three packages: ${packages[*]}"
+begin
 for package in "${packages[@]}"; do
   name=$(dpkg-deb -f "$package" Package)
-  echo "deb: $name: $(dpkg-deb -f "$package" Depends)"
+  echo "deb: $(basename "$package"), $(stat -c %s "$package") bytes: $(dpkg-deb -f "$package" Depends)"
   dpkg-deb -x "$package" "$scratch/unpacked"
   dpkg-deb -c "$package" >"$scratch/$name.list"
 done
@@ -52,8 +59,13 @@ has tandem-demos 'bin/tandem-demo$'
 has tandem-demos 'bin/tandem-key$'
 has tandem-demos 'doc/tandem-demos/NOTICES\.txt(\.gz)?$'
 hasnt tandem-demos '\.(h|so[0-9.]*)$'
-dpkg-deb -f "$scratch"/packages/"$libraries"_*.deb Depends | grep -q libfcl ||
+needed=libfcl
+[[ $preset == shared ]] || needed=libstdc++6
+dpkg-deb -f "$scratch"/packages/"$libraries"_*.deb Depends | grep -q "$needed" ||
   fail "what the libraries need is not told"
+[[ $preset == shared ]] || for name in fcl ccd sodium tinyobjloader; do
+  has "$libraries" "licenses/lib$name-dev\\.txt(\\.gz)?\$"
+done
 dpkg-deb -f "$scratch"/packages/libtandem-dev_*.deb Depends | grep -q "$libraries (= " ||
   fail "the headers do without their libraries"
 
@@ -63,9 +75,23 @@ dpkg-deb -f "$scratch"/packages/libtandem-dev_*.deb Depends | grep -q "$librarie
 usr=$scratch/unpacked/usr
 folder=$(dirname "$(find "$usr" -name libtandem_pbd.so)")
 export LD_LIBRARY_PATH=$folder
+if [[ $preset == shared ]]; then
+  "$usr/bin/tandem-demo" cubes --seconds 1 --print nothing || fail "a demo does not run"
+else
+  unset LD_LIBRARY_PATH
+  runner+=(-E "LD_LIBRARY_PATH=$folder")
+  "${runner[@]}" "$usr/libexec/tandem/demos/cubes" --seconds 1 --print nothing </dev/null || fail "a demo does not run"
+fi
+consumer scene "$usr"
+took deb
 consumer net "$usr"
-"$usr/bin/tandem-demo" cubes --seconds 1 --print nothing || fail "a demo does not run"
-"$usr/bin/tandem-key" >/dev/null || fail "tandem-key does not run"
+"${runner[@]}" "$usr/bin/tandem-key" >/dev/null </dev/null || fail "tandem-key does not run"
+# Rooms need nothing else where the page is there: what is served with no option.
+if [[ $preset == shared && -x $usr/bin/tandem-room && -f $usr/share/tandem/room/index.html.gz ]]; then
+  "$here/room.sh" "$usr/bin/tandem-room" || fail "tandem-room does not serve the installed page"
+else
+  echo "deb: no page of rooms in it (target tandem_room_page of preset web)"
+fi
 if command -v lintian >/dev/null; then
   # Errors alone. Who packages them is told when they are published.
   lintian --fail-on error --suppress-tags bogus-mail-host,no-changelog "${packages[@]}" \

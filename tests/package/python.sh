@@ -24,14 +24,6 @@ for package in "$scratch"/packages/*.deb; do
 done
 ! grep -rlF -e "$build" -e "$root" "$scratch/unpacked" || fail "the files above know where they were built"
 
-program='
-import tandem
-scene = tandem.Scene()
-scene.add(tandem.HalfSpace(), type="static")
-ball = scene.add(tandem.Sphere(0.1), position=(0, 0, 1))
-scene.step(1 / 60, steps=120)
-assert abs(scene.state[ball.index, 2] - 0.1) < 1e-3, scene.state
-print("python:", tandem.__file__)'
-PYTHONPATH=$scratch/unpacked/usr/lib/python3/dist-packages /usr/bin/python3 -c "$program" ||
+PYTHONPATH=$scratch/unpacked/usr/lib/python3/dist-packages /usr/bin/python3 "$here/fall.py" ||
   fail "the package does not run"
 echo "python: the package can be used"

@@ -8,6 +8,7 @@
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 scratch=$(mktemp -d)
+source "$root/tests/package/timing.sh"
 trap 'rm -rf "$scratch"' EXIT
 
 fail() {
@@ -26,9 +27,12 @@ bash "$root/bindings/python/build_wheel.sh" "$scratch" >"$scratch/path" 2>"$scra
   { cat "$scratch/log" >&2; fail "the wheel is not made"; }
 wheel=$(<"$scratch/path")
 site=$scratch/site
+begin
 /usr/bin/python3 -m pip install --quiet --root-user-action=ignore --no-index --no-deps --no-cache-dir --target "$site" \
   "$wheel" ||
   fail "pip does not take $wheel"
+(cd "$scratch" && PYTHONPATH=$site /usr/bin/python3 "$root/tests/package/fall.py") || fail "the cube does not fall"
+took wheel
 module=$(echo "$site"/tandem/_tandem.*.so)
 needs=$(ldd "$module" | awk '{print $1}')
 echo "wheel: $(basename "$wheel"), $(stat -c %s "$wheel") bytes, wants ${needs//$'\n'/ }"

@@ -61,4 +61,11 @@ add_custom_command(OUTPUT "${PROJECT_BINARY_DIR}/room/index.html.gz"
   DEPENDS compress.mjs ${page} tandem_room_cipher tandem_web_package "${package}/compat.js"
     "${three}/three.core.min.js"
   VERBATIM)
-add_custom_target(tandem_room_page ALL DEPENDS "${PROJECT_BINARY_DIR}/room/index.html.gz")
+# The same as one file of a release: unpacked, the folder that tandem-room serves. The same files give the same archive.
+set(archive "tandem-room-page-${PROJECT_VERSION}")
+add_custom_command(OUTPUT "${PROJECT_BINARY_DIR}/${archive}.tar.gz"
+  COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/archive.sh" "${PROJECT_BINARY_DIR}/room" "${archive}"
+    "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/demos/NOTICES.txt" "${PROJECT_BINARY_DIR}/${archive}.tar.gz"
+  DEPENDS archive.sh "${PROJECT_BINARY_DIR}/room/index.html.gz" "${PROJECT_SOURCE_DIR}/demos/NOTICES.txt"
+  VERBATIM)
+add_custom_target(tandem_room_page ALL DEPENDS "${PROJECT_BINARY_DIR}/${archive}.tar.gz")

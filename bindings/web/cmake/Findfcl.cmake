@@ -25,10 +25,16 @@ add_library(tandem_web_fcl STATIC
   "${_fcl}/src/narrowphase/detail/gjk_solver_libccd.cpp"
   "${_fcl}/src/narrowphase/detail/primitive_shape_algorithm/box_box.cpp"
   "${_fcl}/src/narrowphase/detail/primitive_shape_algorithm/capsule_capsule.cpp")
-set_target_properties(tandem_web_fcl PROPERTIES CXX_STANDARD 17 UNITY_BUILD OFF)
-target_include_directories(tandem_web_fcl SYSTEM PUBLIC "${PROJECT_BINARY_DIR}/include" "${_fcl}/include")
-target_link_libraries(tandem_web_fcl PUBLIC ccd Eigen3::Eigen)
+set_target_properties(tandem_web_fcl PROPERTIES CXX_STANDARD 17 UNITY_BUILD OFF
+  EXPORT_NAME fcl OUTPUT_NAME tandem_fcl)
+target_include_directories(tandem_web_fcl SYSTEM PUBLIC
+  "$<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include;${_fcl}/include>")
+target_link_libraries(tandem_web_fcl PUBLIC tandem_web_ccd Eigen3::Eigen)
 target_compile_options(tandem_web_fcl PRIVATE -ffp-contract=off -w)
+if(NOT EMSCRIPTEN)  # it may end up in a shared library
+  set_target_properties(tandem_web_fcl PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endif()
 add_library(fcl INTERFACE IMPORTED GLOBAL)
+set_target_properties(fcl PROPERTIES TANDEM_BUNDLED tandem_web_fcl)
 target_link_libraries(fcl INTERFACE tandem_web_fcl)
 set(fcl_FOUND ON)

@@ -106,13 +106,20 @@ const system = {get: (_, name) => {
   return () => (name === 'fd_write' ? 8 : 0);
 }};
 
+/** Node has no fetch for files. Bundlers for pages are not to look for its module. */
+async function load(url) {
+  if (new URL(url, import.meta.url).protocol !== 'file:' || !globalThis.process?.versions?.node) return fetch(url);
+  const files = 'node:fs/promises';
+  return (await import(/* @vite-ignore */ files)).readFile(new URL(url));
+}
+
 /**
  * Loads the module; once, before anything else.
  * @param source  its bytes, a Response or a URL; by default tandem.wasm beside this file
  */
 export async function init(source = new URL('./tandem.wasm', import.meta.url)) {
   if (c !== null) return;
-  const given = source instanceof URL || typeof source === 'string' ? await fetch(source) : source;
+  const given = source instanceof URL || typeof source === 'string' ? await load(source) : source;
   const needs = {tandem: imports, env: new Proxy({}, system), wasi_snapshot_preview1: new Proxy({}, system)};
   // Compiled while it comes, where the server says what it is.
   const streams = given instanceof Response && given.headers.get('content-type') === 'application/wasm';

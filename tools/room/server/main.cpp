@@ -7,9 +7,11 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "arguments/arguments.h"
 #include "server/room_server.h"
@@ -19,11 +21,12 @@ namespace {
 using namespace tandem;
 
 constexpr std::string_view kUsage =
-    "usage: tandem-room --page FOLDER [OPTION]...\n"
+    "usage: tandem-room [OPTION]...\n"
     "Serves rooms that people enter by a link, and prints it. Ends with ctrl-c; people who reach "
     "each\n"
     "other go on.\n"
-    "  --page FOLDER       the page, as target tandem_room_page of preset web makes it\n"
+    "  --page FOLDER       the page, as target tandem_room_page of preset web makes it; the one\n"
+    "                      that is installed with this program\n"
     "  --room NAME         which room the link leads to: sandbox, piano or tennis; sandbox\n"
     "  --listen ADDRESS    numeric; 127.0.0.1, and 0.0.0.0 for all networks\n"
     "  --port NUMBER       0 takes a free one; 0\n"
@@ -33,6 +36,15 @@ constexpr std::string_view kUsage =
     "  --no-key            prints the link without a key: the first page draws one, and this "
     "program\n"
     "                      has never seen it\n";
+
+/// The folder of the page that is installed with this program; empty where there is none.
+std::string installed_page() {
+  std::error_code none;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", none);
+  const auto page = program.parent_path() / TANDEM_INSTALLED_PAGE;
+  if (program.empty() || !std::filesystem::exists(page / "index.html.gz", none)) return {};
+  return page.string();
+}
 
 /// Drawn for the link and not kept.
 std::string random_key() {
@@ -62,7 +74,10 @@ int run(std::span<const std::string_view> words) {
               {"--name", [&](demos::Argument& a) { options.name = a.text(); }},
               {"--token", [&](demos::Argument& a) { options.token = a.text(); }},
               {"--no-key", [&](demos::Argument&) { with_key = false; }}});
-  if (page.empty()) throw demos::UsageError("--page must be given");
+  if (page.empty()) page = installed_page();
+  if (page.empty()) {
+    throw demos::UsageError("--page must be given, as no page is installed with this program");
+  }
   if (std::find(options.rooms.begin(), options.rooms.end(), room) == options.rooms.end()) {
     demos::refuse("--room", room, "sandbox, piano or tennis");
   }
