@@ -18,7 +18,8 @@ function(_install_programs destination)
       endif()
     endif()
   endforeach()
-  install(TARGETS ${programs} RUNTIME DESTINATION "${destination}" COMPONENT demos)
+  # Those that have been built.
+  install(TARGETS ${programs} RUNTIME DESTINATION "${destination}" COMPONENT demos OPTIONAL)
 endfunction()
 
 # What of other projects is in the programs.

@@ -29,7 +29,7 @@ if [[ -n $target && ${1-} == --quick ]]; then
   quick=(pbd_threads_test scene_files_test obj_test net_test c_test c_session_test)
   names=$(IFS='|' && echo "${quick[*]}")
   set -- -R "^($names|cross_session)$" "$@"
-  quick+=(cubes tandem-key tandem-replay)
+  quick+=(cubes tandem-key tandem-replay tandem-room-peer)
 fi
 
 if [[ -z $target ]]; then

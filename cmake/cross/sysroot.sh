@@ -37,7 +37,13 @@ Version: $(pkg-config --modversion tomlplusplus)
 Cflags: -I$sysroot/include
 PC
 
-[[ $target != libcxx ]] || exit 0
+if [[ $target == libcxx ]]; then
+  ln -sfn /usr/include/sodium{,.h} "$sysroot/include"
+  ln -sfn "$(pkg-config --variable=libdir libsodium)/libsodium.a" "$sysroot/lib"
+  sed "s|^prefix=.*|prefix=$sysroot|; s|^libdir=.*|libdir=$sysroot/lib|; s|^includedir=.*|includedir=$sysroot/include|" \
+    "$(pkg-config --variable=pcfiledir libsodium)/libsodium.pc" >"$sysroot/lib/pkgconfig/libsodium.pc"
+  exit
+fi
 # Its last file, with the folder in it.
 ! grep -qsxF "prefix=$sysroot" "$sysroot/lib/pkgconfig/libsodium.pc" || exit 0
 build=$(mktemp -d)

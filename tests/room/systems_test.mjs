@@ -4,7 +4,8 @@
 // One room of a page, a native peer, one of Windows on wine and one of ARM on qemu, as far as their programs are built:
 // what one lifts is lifted at all, and at rest all are within 1 mm.
 import assert from 'node:assert/strict';
-import {existsSync} from 'node:fs';
+import {execFileSync} from 'node:child_process';
+import {existsSync, mkdirSync} from 'node:fs';
 import {dirname, join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import {fileURLToPath} from 'node:url';
@@ -26,6 +27,10 @@ describe('a room of all systems', {timeout: 300000, skip: SYSTEMS.length === 0 &
   let page;
   let peers;
   before(async () => {
+    if (SYSTEMS.some(({emulator}) => emulator[0] === 'wine')) {
+      mkdirSync(process.env.WINEPREFIX, {recursive: true});
+      execFileSync('wine', ['wineboot', '--init'], {stdio: 'ignore'});
+    }
     server = await startServer();
     browser = await startBrowser();
     page = await openPage(browser, server.link);
@@ -33,8 +38,13 @@ describe('a room of all systems', {timeout: 300000, skip: SYSTEMS.length === 0 &
       startPeer(server.link, 'sandbox', ['--name', 'native']),
       ...SYSTEMS.map(({name, program, emulator}) => startPeer(server.link, 'sandbox', ['--name', name], [...emulator, program])),
     ]);
-    await until(async () => await others(page) === peers.length && peers.every((peer) => peer.others === peers.length),
-                'that all meet');
+    let met;
+    await until(async () => {
+      met = [await others(page), ...peers.map((peer) => peer.others)];
+      return met.every((count) => count === peers.length);
+    }, 'that all meet').catch((problem) => {
+      throw new Error(`${problem.message}: page and peers have met ${met}`);
+    });
   });
   after(async () => {
     for (const peer of peers ?? []) peer.say('quit');
