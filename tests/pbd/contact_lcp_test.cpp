@@ -21,6 +21,13 @@ using Batch = xsimd::batch<double, xsimd::default_arch>;
 using Vec4 = Eigen::Vector4d;
 using Mat4 = Eigen::Matrix4d;
 
+/// Nearly normal, and the same with every standard library, whose distributions are not.
+double normal(std::mt19937& random) {
+  double sum = -6.0;
+  for (int i = 0; i < 12; ++i) sum += static_cast<double>(random()) * 0x1p-32;
+  return sum;
+}
+
 /// A manifold's mobility, multipliers and velocities, drawn at random.
 struct Problem {
   int count;
@@ -30,7 +37,6 @@ struct Problem {
   Vec4 e = Vec4::Zero();
 
   Problem(std::mt19937& random, int points, int rank) : count(points) {
-    std::normal_distribution<double> normal;
     for (int k = 0; k < rank; ++k) {
       Vec4 row = Vec4::Zero();
       for (int i = 0; i < count; ++i) row[i] = normal(random);
@@ -136,7 +142,6 @@ TEST_CASE("contact: the points of a manifold are solved as trying all sets does"
 TEST_CASE("contact: of four points in a plane as many bear as need, as evenly as they can",
           "[pbd][lcp]") {
   std::mt19937 random(11);
-  std::normal_distribution<double> normal;
   int even = 0;
   int let_go = 0;
   for (int trial = 0; trial < 5000; ++trial) {
@@ -214,7 +219,8 @@ TEST_CASE("contact: points whose share of a load is open converge to one that ho
       // Velocities that some impulses can stop.
       p.e = p.B * Vec4(1.0, -2.0, 0.5, 0.3);
       const double fastest = p.e.cwiseAbs().maxCoeff();
-      for (int repeat = 0; repeat < 30; ++repeat) {
+      // After 30 one of 15000 draws is at 4e-6 still.
+      for (int repeat = 0; repeat < 60; ++repeat) {
         const Vec4 d = solve(p, p);
         p.z += d;
         p.e += p.B * d;
