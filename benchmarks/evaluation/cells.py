@@ -46,7 +46,7 @@ class Cell:
             "mouse": ["--variant", "mouse"],
             "tug": ["--variant", "tug"],
             "live": [],
-            "recorded": ["--hands", ",".join(HANDS)],
+            "recorded": ["--script", "hands=" + ",".join(HANDS)],
             "uneven": ["--rates", "60,72"],
             "asymmetric": ["--mode", "asymmetric"],
             # The piano's default springs are asymmetric whatever the mode is.

@@ -58,7 +58,7 @@ int run(const Scenario& scenario, const DemoOptions& options) {
     throw UsageError("--view needs a build with it: " + view::missing());
   }
   if (options.hands.size() > scenario.user_count()) {
-    refuse("--hands", std::to_string(options.hands.size()),
+    refuse("--script hands=", std::to_string(options.hands.size()),
            "at most " + std::to_string(scenario.user_count()) + " files here");
   }
   const std::optional<Scheme> other = shown_beside(scenario, options);

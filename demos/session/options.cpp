@@ -234,16 +234,17 @@ constexpr DemoOption kOptions[] = {
     {"--variant", Where::Everywhere, read_text<&DemoOptions::variant>},
     {"--script", Where::Everywhere,
      [](Argument& in, DemoOptions& o) {
-       const std::string file = in.text();
-       o.no_script = file == "none";
-       o.replay = o.no_script ? "" : file;
-     }},
-    {"--hands", Where::Everywhere,
-     [](Argument& in, DemoOptions& o) {
-       const std::string files = in.text();
+       constexpr std::string_view kHands = "hands=";
+       const std::string what = in.text();
        o.hands.clear();
-       for (const std::string_view file : items_of(files)) {
-         if (file.empty()) refuse(in.name(), files, "FILE or FILE,FILE");
+       o.replay.clear();
+       o.no_script = what == "none";
+       if (!what.starts_with(kHands)) {
+         if (!o.no_script) o.replay = what;
+         return;
+       }
+       for (const std::string_view file : items_of(std::string_view(what).substr(kHands.size()))) {
+         if (file.empty()) refuse(in.name(), what, "none, FILE or hands=FILE,..");
          o.hands.emplace_back(file);
        }
      }},
@@ -279,9 +280,6 @@ void check_together(const DemoOptions& o, std::string_view virtual_only,
   }
   if (o.over_network() && !o.udp() && o.timeline == Timeline::None) {
     refuse_pair("--clock none", "needs --key or --transport udp over a network");
-  }
-  if (!o.hands.empty() && (o.no_script || !o.replay.empty())) {
-    refuse_pair("--hands", "has no meaning with --script");
   }
   if (o.view && (o.beside || o.alone)) refuse_pair("--coupling A,B", "has no meaning with --view");
   for (const auto& [name, file] : {std::pair{"--json", &o.json},

@@ -88,10 +88,10 @@ Session:
   --view [[ADDRESS:]PORT]  serve a page that shows the run, until ctrl-c unless --seconds is given;
                      its address is printed (docs/view.md); to this machine alone unless a numeric
                      address is given
-  --script FILE|none  users do what --record wrote instead of following their script; none: nobody
-                     acts but who grabs something on the page
-  --hands FILE,..    users' hands do what a room's page recorded, user A's the first file's and so on;
-                     who has none follows the script (docs/hands.md)
+  --script FILE|none|hands=FILE,..  users do what --record wrote instead of following their script;
+                     none: nobody acts but who grabs something on the page; hands=: users' hands do
+                     what a room's page recorded, user A's the first file's and so on, and who has
+                     no file follows the script (docs/hands.md)
 Output:
   --json FILE        write the result as one JSON object; - is standard output
   --csv DIR          write tables of all samples and of all bodies

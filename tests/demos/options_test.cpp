@@ -292,10 +292,10 @@ TEST_CASE("options: a refusal says what must be and what is", "[demos][fault]") 
   }
   CHECK(refusal({"7"}) == "unexpected word '7'; options begin with --");
   CHECK(refusal({"--reference=yes"}) == "--reference takes no value");
-  CHECK(refusal({"--hands", "a.txt,"}) == "--hands must be FILE or FILE,FILE, is 'a.txt,'");
-  CHECK(refusal({"--hands", "a.txt", "--script", "none"}) ==
-        "--hands has no meaning with --script");
-  CHECK(parse({"--hands", "a.txt,b.txt"}).hands == std::vector<std::string>{"a.txt", "b.txt"});
+  CHECK(refusal({"--script", "hands=a.txt,"}) ==
+        "--script must be none, FILE or hands=FILE,.., is 'hands=a.txt,'");
+  CHECK(parse({"--script", "hands=a.txt,b.txt"}).hands ==
+        std::vector<std::string>{"a.txt", "b.txt"});
   CHECK(refusal({"--json="}) == "--json must not be empty");
   CHECK(refusal({"--iterations", "1,2,3"}) ==
         "--iterations must be N, or N,M with M of Bullet's solver, is '1,2,3'");

@@ -21,7 +21,7 @@ function played(text, seconds) {
   try {
     const [hand, inputs] = ['hand.txt', 'inputs.txt'].map((name) => join(folder, name));
     writeFileSync(hand, text);
-    const options = ['--hands', hand, '--peers', '1', '--seconds', String(seconds), '--print', 'nothing', '--record', inputs];
+    const options = ['--script', `hands=${hand}`, '--peers', '1', '--seconds', String(seconds), '--print', 'nothing', '--record', inputs];
     const {status, stderr, error} = spawnSync(join(BIN, 'cubes'), options, {encoding: 'utf8'});
     assert.equal(error, undefined);
     assert.ok(status === 0, stderr);
