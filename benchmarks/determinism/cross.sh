@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Builds pbd, collision and the program `determinism` for another processor or system, runs it on an emulator and
-# prints its lines: table.sh --cross compares them with those of the compilers here.
-#   benchmarks/determinism/cross.sh aarch64-linux|x86_64-windows [what determinism takes: scenes, --steps N]
+# Builds pbd, collision and the program `determinism` for another processor, system or standard library, runs it, on an
+# emulator where it must, and prints its lines: table.sh --cross compares them with those of the compilers here.
+#   benchmarks/determinism/cross.sh aarch64-linux|x86_64-windows|libcxx [what determinism takes: scenes, --steps N]
 # Needs what cmake/install-deps.sh --with-cross installs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -15,12 +15,18 @@ shift
 case $target in
   aarch64-linux) preset=arm64 emulator=(qemu-aarch64 -L /usr/aarch64-linux-gnu) suffix='' ;;
   x86_64-windows) preset=windows emulator=(wine) suffix=.exe ;;
-  *) echo "cross.sh: aarch64-linux or x86_64-windows, not '$target'" >&2; exit 2 ;;
+  libcxx) preset=libcxx emulator=() suffix='' ;;
+  *) echo "cross.sh: aarch64-linux, x86_64-windows or libcxx, not '$target'" >&2; exit 2 ;;
 esac
 # Wine's files lie here and not in the home folder; of the 32 bit half that it misses it says nothing.
 export WINEPREFIX=$root/build/wine WINEDEBUG=-all
+mkdir -p "$WINEPREFIX"
 
 bash cmake/cross/sysroot.sh "$target"
 cmake --preset "$preset" >/dev/null
 cmake --build --preset "$preset" --target determinism >/dev/null
-"${emulator[@]}" "build/$preset/bin/determinism$suffix" "$@" | tr -d '\r'
+said=$(mktemp)
+trap 'rm -f "$said"' EXIT
+# Not by a pipe, which wine's services would keep open.
+"${emulator[@]}" "build/$preset/bin/determinism$suffix" "$@" >"$said" </dev/null
+tr -d '\r' <"$said"

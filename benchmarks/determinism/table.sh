@@ -5,7 +5,7 @@
 # Builds the program `determinism` with g++, with clang and, where it was built before (preset web), for
 # WebAssembly, runs all of them and prints the table of docs/determinism.md. Exits with 1 where two hashes differ.
 #   benchmarks/determinism/table.sh [--cross] [what determinism takes: scenes, --steps N]
-# --cross: for ARM and for Windows as well, on emulators (cross.sh), ten minutes more
+# --cross: for libc++, ARM and Windows as well, the latter on emulators (cross.sh), ten minutes more
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -35,9 +35,10 @@ if [[ -f build/web/bin/determinism.js ]]; then
   names+="|wasm"
 fi
 if $cross; then
-  benchmarks/determinism/cross.sh aarch64-linux "$@" >"$results/5"
-  benchmarks/determinism/cross.sh x86_64-windows "$@" >"$results/6"
-  names+="|ARM|Windows"
+  benchmarks/determinism/cross.sh libcxx "$@" >"$results/5"
+  benchmarks/determinism/cross.sh aarch64-linux "$@" >"$results/6"
+  benchmarks/determinism/cross.sh x86_64-windows "$@" >"$results/7"
+  names+="|clang 19, libc++|ARM|Windows"
 fi
 
 echo "| scene | steps | hash | ${names//|/ | } |"
