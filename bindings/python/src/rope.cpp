@@ -91,7 +91,7 @@ category, mask, group. As in RopeDef. It touches nothing between its particles.
 
 >>> import numpy, tandem
 >>> scene = tandem.Scene()
->>> hook = scene.add(tandem.Sphere(0.05), type="static", position=(0, 0, 2))
+>>> hook = scene.add(tandem.Sphere(0.01), type="static", position=(0, 0, 2))
 >>> rope = tandem.Rope(scene, start=(0, 0, 2), end=(1, 0, 2), particles=21)
 >>> held = rope.attach(0, hook)
 >>> report = scene.step(1 / 60, steps=120)
