@@ -673,12 +673,29 @@ class Session:
         limits_guesses: bool = ...,
         extrapolates_orientation: bool = ...,
         two_step_thresholds: bool = ...,
+        make: Callable[[bytes], Body | None] | None = ...,
+        remove: Callable[[Body], object] | None = ...,
+        max_bodies: int = ...,
+        max_of_one: int = ...,
     ) -> None: ...
     def share(self, name: str, body: Body, owner: int | None = ...) -> None: ...
-    def unshare(self, name: str) -> None: ...
+    def unshare(self, name: str | int) -> None: ...
+    def spawn(
+        self,
+        what: str | bytes,
+        position: ArrayLike,
+        *,
+        orientation: ArrayLike = ...,
+        velocity: ArrayLike = ...,
+        angular_velocity: ArrayLike = ...,
+    ) -> int: ...
+    def despawn(self, id: str | int) -> None: ...
+    def body(self, name: str | int) -> Body | None: ...
+    def on_join(self, joined: Callable[[int], object] | None) -> None: ...
+    def on_leave(self, left: Callable[[int], object] | None) -> None: ...
     def grab(
         self,
-        name: str,
+        name: str | int,
         anchor: ArrayLike,
         *,
         attachment: ArrayLike = ...,
@@ -689,7 +706,7 @@ class Session:
     ) -> Grab: ...
     def act(
         self,
-        name: str,
+        name: str | int,
         *,
         impulse: ArrayLike = ...,
         angular_impulse: ArrayLike = ...,
@@ -699,7 +716,7 @@ class Session:
         angular_velocity: ArrayLike = ...,
         once: str = ...,
     ) -> None: ...
-    def held(self, name: str) -> bool: ...
+    def held(self, name: str | int) -> bool: ...
     def advance(
         self, now: int | None = ..., before_step: Callable[[int], object] | None = ...
     ) -> Progress: ...
