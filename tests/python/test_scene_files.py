@@ -11,12 +11,12 @@ DOOR = {
     "gravity": [0, 0, -5],
     "bodies": [
         {"name": "ground", "type": "static", "shape": {"type": "halfSpace"}},
-        {"name": "door", "shape": {"type": "box", "halfExtents": [0.4, 0.02, 1]}, "mass": 20, "position": [0.4, 0, 1.2]},
+        {"name": "door", "shape": {"type": "box", "halfExtents": [0.4, 0.02, 1]}, "mass": 20, "position": [0.4, 0, 2]},
         {"name": "cup", "shape": {"type": "cylinder", "radius": 0.05, "halfHeight": 0.1}, "position": [0.5, 1, 0.4]},
         {"shape": {"type": "sphere", "radius": 0.1}, "position": [0.5, 1.01, 0.8]},
     ],
     "joints": [
-        {"name": "hinge", "type": "hinge", "b": "door", "at": {"position": [0, 0, 1.2], "axis": [0, 0, 1]}}
+        {"name": "hinge", "type": "hinge", "b": "door", "at": {"position": [0, 0, 2], "axis": [0, 0, 1]}}
     ],
 }
 BALL_IN_GLTF = {
