@@ -39,7 +39,7 @@ echo "wheel: $(basename "$wheel"), $(stat -c %s "$wheel") bytes, wants ${needs//
 others=$(grep -vE '^(linux-vdso\.so|libc\.so|libm\.so|/lib64/ld-linux)' <<<"$needs") || true
 [[ -z $others ]] || fail "it wants libraries that not every system has: $others"
 ! grep -rlF "$root" "$site" || fail "the files above know where they were built"
-for name in LICENSE fcl ccd sodium; do
+for name in LICENSE fcl ccd sodium nlohmann_json; do
   [[ -s $(echo "$site"/tandem-*.dist-info/licenses/$name) ]] || fail "the license of $name is not in it"
 done
 
@@ -53,6 +53,11 @@ hull = scene.add(tandem.Hull([(x, y, z) for x in (0, 1) for y in (0, 1) for z in
 scene.step(1 / 60, steps=240)
 assert abs(scene.state[ball.index, 2] - 0.1) < 1e-3, scene.state
 assert abs(scene.state[hull.index, 2] - 0.5) < 1e-3, scene.state
+file = tandem.Scene.parse(scene.write())  # nlohmann_json
+hero = tandem.Character(file, position=(0, 5, 1))
+hero.walk((1, 0, 0), 1 / 60)
+file.step(1 / 60)
+assert len(file.bodies) == 4, file.bodies
 try:
     scene.step(-1.0)
     raise SystemExit("a step of -1 s is taken")

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What the Python package is compared with: the scene of scenes.py in C++.
-//   python_reference hash STEPS              its hash after so many steps
+// What the Python package is compared with: the scenes of scenes.py in C++.
+//   python_reference hash STEPS              that of ten_bodies() after so many steps
+//   python_reference crowd STEPS             that of Crowd likewise
+//   python_reference file PATH STEPS         that of a file likewise, then the names of its bodies
 //   python_reference loop KIND WORLDS        for each line on standard input, a number of steps:
 //   make
 //                                            them in all worlds and print the CPU time, s
@@ -11,8 +13,13 @@
 #include <string>
 #include <vector>
 
+#include "tandem/car.h"
+#include "tandem/character.h"
+#include "tandem/cloth.h"
 #include "tandem/pbd/cpu_timer.h"
-#include "tandem/scene.h"
+#include "tandem/ragdoll.h"
+#include "tandem/rope.h"
+#include "tandem/scene_files.h"
 
 namespace {
 
@@ -34,6 +41,47 @@ Scene ten_bodies(int number, const std::string& kind) {
   return scene;
 }
 
+void print_hash(const Scene& scene) {
+  std::printf("%llu\n", static_cast<unsigned long long>(scene.world().hash()));
+}
+
+/// Somebody who walks, a car, a crate on a rope, a flag on a pole and somebody who falls.
+void crowd(int steps) {
+  constexpr double kDt = 1.0 / 60.0;
+  Scene scene;
+  scene.add(HalfSpace{}, {.type = BodyType::Static});
+  Character hero(scene, {.position = {0.0, -3.0, 1.0}, .max_push = 300.0});
+  Car car(scene, {.pose = {.position = {0.0, 3.0, 0.8}}, .mass = 1000.0});
+  const BodyId hook =
+      scene.add(Sphere{0.05}, {.type = BodyType::Static, .pose = {.position = {5.0, 0.0, 3.0}}});
+  const BodyId crate =
+      scene.add(Box{0.2, 0.2, 0.2}, {.mass = 10.0, .pose = {.position = {5.5, 0.0, 1.8}}});
+  Rope rope(scene, {.from = {5.0, 0.0, 3.0}, .to = {5.5, 0.0, 2.0}, .particles = 12});
+  rope.attach(0, hook);
+  rope.attach(11, crate);
+  const BodyId pole = scene.add(Box{0.02, 0.02, 1.0},
+                                {.type = BodyType::Static, .pose = {.position = {-3.0, 0.0, 1.0}}});
+  Cloth flag(scene, {.pose = {.position = {-3.0, 0.0, 1.0}}, .columns = 8, .rows = 6});
+  for (int row = 0; row < flag.rows(); ++row) flag.attach(0, row, pole);
+  flag.tether();
+  flag.add_handle(1.0, 0.5, 0.3, 0.5);
+  Ragdoll victim(scene, {.pose = {.position = {0.0, -6.0, 0.5}}, .mass = 80.0});
+  for (int i = 0; i < steps; ++i) {
+    if (i == 20) hero.jump(3.0);
+    hero.walk({1.5, 0.5, 0.0}, kDt);
+    car.drive({.throttle = i < 60 ? 0.8 : 0.0, .steer = 0.2, .brake = i < 60 ? 0.0 : 0.5});
+    scene.step(kDt);
+  }
+  print_hash(scene);
+}
+
+void file(const std::string& path, int steps) {
+  SceneFile file = load_scene(path, {.solver = {.substeps = 3}});
+  for (int i = 0; i < steps; ++i) file.scene.step(1.0 / 60.0);
+  print_hash(file.scene);
+  for (const SceneFile::Body& body : file.bodies) std::puts(body.name.c_str());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -41,7 +89,15 @@ int main(int argc, char** argv) {
   if (arguments.size() == 2 && arguments[0] == "hash") {
     Scene scene = ten_bodies(0, "boxes");
     for (int i = std::stoi(arguments[1]); i > 0; --i) scene.step(1.0 / 60.0);
-    std::printf("%llu\n", static_cast<unsigned long long>(scene.world().hash()));
+    print_hash(scene);
+    return 0;
+  }
+  if (arguments.size() == 2 && arguments[0] == "crowd") {
+    crowd(std::stoi(arguments[1]));
+    return 0;
+  }
+  if (arguments.size() == 3 && arguments[0] == "file") {
+    file(arguments[1], std::stoi(arguments[2]));
     return 0;
   }
   if (arguments.size() != 3 || arguments[0] != "loop") return 2;

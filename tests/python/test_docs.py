@@ -14,6 +14,7 @@ import sys
 import pytest
 import tandem
 
+PARTS = [tandem.Character, tandem.Car, tandem.Rope, tandem.Cloth, tandem.Ragdoll]
 ROOT = pathlib.Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "bindings/python/examples").glob("*.py"))
 
@@ -54,7 +55,7 @@ def test_programs_on_pages_run(name):
 def test_the_page_names_all_there_is():
     page = (ROOT / "docs/python.md").read_text()
     absent = [name for name in tandem.__all__ if not re.search(rf"\b{name}\b", page)]
-    for kind in (tandem.Scene, tandem.Body, tandem.Joint, tandem.Batch):
+    for kind in (tandem.Scene, tandem.Body, tandem.Joint, tandem.Batch, *PARTS):
         absent += [n for n in vars(kind) if n[0] != "_" and not re.search(rf"\b{n}\b", page)]
     assert absent == []
 
@@ -98,15 +99,25 @@ def test_the_stubs_name_what_the_module_has():
 
 
 def test_the_stubs_name_the_keywords_there_are():
-    """scene.cpp takes them by name; what it does not know is a TypeError."""
+    """The module takes them by name; what it does not know is a TypeError."""
     stub = ast.parse((pathlib.Path(tandem.__file__).parent / "_tandem.pyi").read_text())
-    scene = next(n for n in stub.body if isinstance(n, ast.ClassDef) and n.name == "Scene")
     keywords = {
-        f.name: [a.arg for a in f.args.kwonlyargs] for f in scene.body if isinstance(f, ast.FunctionDef)
+        (kind.name, f.name): [a.arg for a in f.args.kwonlyargs]
+        for kind in stub.body
+        if isinstance(kind, ast.ClassDef)
+        for f in kind.body
+        if isinstance(f, ast.FunctionDef)
     }
-    for name in keywords["__init__"]:
-        with pytest.raises((TypeError, ValueError), match=f"^{name} "):
-            tandem.Scene(**{name: object()})
-    for name in keywords["add"]:
-        with pytest.raises((TypeError, ValueError), match=f"^{name} "):
-            tandem.Scene().add(tandem.Sphere(0.1), **{name: object()})
+    calls = {
+        ("Scene", "__init__"): tandem.Scene,
+        ("Scene", "add"): lambda **given: tandem.Scene().add(tandem.Sphere(0.1), **given),
+        ("Scene", "load"): lambda **given: tandem.Scene.load("none.json", **given),
+        ("Scene", "parse"): lambda **given: tandem.Scene.parse("{}", **given),
+    }
+    for kind in PARTS:
+        calls[kind.__name__, "__init__"] = lambda kind=kind, **given: kind(tandem.Scene(), **given)
+    for function, call in calls.items():
+        assert keywords[function]
+        for name in keywords[function]:
+            with pytest.raises((TypeError, ValueError), match=f"^{name} "):
+                call(**{name: object()})

@@ -54,13 +54,18 @@ void set_rows(pbd::World& world, std::span<const pbd::BodyState> known,
 
 tandem::Scene& Core::scene() {
   if (busy_ > 0) throw std::runtime_error("the scene is being stepped by another thread");
-  return scene_;
+  return file_.scene;
+}
+
+SceneFile& Core::file() {
+  scene();
+  return file_;
 }
 
 std::span<pbd::BodyState> Core::storage() {
   // The world's own vector, which is not const. It is written to by arrays alone, and set_rows()
   // makes of that what the world has to know.
-  const auto states = scene_.world().states();
+  const auto states = file_.scene.world().states();
   return {const_cast<pbd::BodyState*>(states.data()), states.size()};
 }
 
@@ -104,17 +109,21 @@ void Core::require_room(std::size_t slots) const {
       std::to_string(arrays_) + " of them): delete it, or copy() it, before");
 }
 
+void Core::require_room_for(std::size_t bodies) const {
+  require_room(std::max(slots(), file_.scene.world().body_count() + bodies));
+}
+
 void Core::take_writes() {
   if (!watched_) return;
   const auto rows = storage();
   try {
-    set_rows(scene_.world(), known_, rows);
+    set_rows(file_.scene.world(), known_, rows);
   } catch (...) {
     std::copy(known_.begin(), known_.end(), rows.begin());
     throw;
   }
   for (std::uint32_t slot = 0; slot < rows.size(); ++slot) {
-    if (!scene_.world().body_at(slot).valid()) rows[slot] = known_[slot];
+    if (!file_.scene.world().body_at(slot).valid()) rows[slot] = known_[slot];
   }
   watched_ = arrays_ > 0;
 }

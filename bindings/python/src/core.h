@@ -8,9 +8,10 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "tandem/scene.h"
+#include "tandem/scene_files.h"
 #include "values.h"
 
 namespace tandem::python {
@@ -34,18 +35,23 @@ void set_rows(pbd::World& world, std::span<const pbd::BodyState> known,
 /// All of it under the GIL but what Busy covers.
 class Core : public std::enable_shared_from_this<Core> {
  public:
-  explicit Core(const SceneOptions& options) : scene_(options) { scene_.joints(); }
+  explicit Core(const SceneOptions& options) : Core(SceneFile{.scene = tandem::Scene(options)}) {}
+  explicit Core(SceneFile file) : file_(std::move(file)) { file_.scene.joints(); }
 
   /// For what neither needs states that arrays have changed nor changes any.
   /// @throws std::runtime_error while another thread steps
   tandem::Scene& scene();
+  /// With the names of a file, where it came from one. @throws likewise
+  SceneFile& file();
   /// One row for each slot. The array keeps the storage alive.
   py::array state();
   /// @throws py::buffer_error where an array would have to move
   void require_room(std::size_t slots) const;
+  /// For so many bodies more; removed ones' rows are taken first. @throws likewise
+  void require_room_for(std::size_t bodies) const;
 
   /// All rows, by slot; whatever was written, and from any thread.
-  std::span<const pbd::BodyState> states() const { return scene_.world().states(); }
+  std::span<const pbd::BodyState> states() const { return file_.scene.world().states(); }
   std::size_t slots() const { return states().size(); }
 
   /// While steps run without the GIL.
@@ -70,7 +76,7 @@ class Core : public std::enable_shared_from_this<Core> {
   void take_writes();
   void remember();
 
-  tandem::Scene scene_;
+  SceneFile file_;
   int busy_ = 0;
   int arrays_ = 0;                     ///< that are alive
   bool watched_ = false;               ///< an array may have been written to
@@ -91,8 +97,8 @@ class Access {
   Access(const Access&) = delete;
   Access& operator=(const Access&) = delete;
 
-  tandem::Scene* operator->() { return &core_.scene_; }
-  tandem::Scene& operator*() { return core_.scene_; }
+  tandem::Scene* operator->() { return &core_.file_.scene; }
+  tandem::Scene& operator*() { return core_.file_.scene; }
 
  private:
   Core& core_;

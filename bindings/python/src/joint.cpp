@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include "joint.h"
+
 #include <pybind11/stl.h>
 
 #include <tuple>
@@ -11,14 +13,6 @@
 
 namespace tandem::python {
 namespace {
-
-struct Joint {
-  CorePtr core;
-  pbd::JointId id;
-
-  pbd::JointBlock& block() const { return core->scene().joints(); }
-  const pbd::JointState& state() const { return block().at(id); }
-};
 
 using Limits = std::optional<std::pair<double, double>>;
 

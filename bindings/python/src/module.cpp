@@ -11,6 +11,12 @@ PYBIND11_MODULE(_tandem, m) {
   bind_joints(m, scene);
   bind_queries(m, scene);
   bind_contacts(m, scene);
+  bind_files(scene);
+  bind_characters(m);
+  bind_cars(m);
+  bind_ropes(m);
+  bind_cloth(m);
+  bind_ragdolls(m);
   bind_batch(m);
   bind_networks(m);
   bind_sessions(m);

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <string>
@@ -11,6 +10,7 @@
 #include "body.h"
 #include "keywords.h"
 #include "report.h"
+#include "scene_options.h"
 #include "shape.h"
 #include "tandem/pbd/validate.h"
 #include "tandem/pbd/world_copy.h"
@@ -30,8 +30,10 @@ BodyType body_type(const std::string& name) {
   pbd::detail::refuse("type", "'static', 'kinematic' or 'dynamic'", "'" + name + "'");
 }
 
-SceneOptions options_of(const py::kwargs& given) {
-  require_known(given, "Scene",
+}  // namespace
+
+SceneOptions options_of(const py::kwargs& given, const char* function) {
+  require_known(given, function,
                 {"gravity", "substeps", "position_iterations", "joint_iterations",
                  "velocity_iterations", "refine", "sleep_after", "threads", "hit_speed"});
   SceneOptions options;
@@ -46,6 +48,8 @@ SceneOptions options_of(const py::kwargs& given) {
   take(given, "hit_speed", options.events.hit_speed);
   return options;
 }
+
+namespace {
 
 SolidDef solid_of(const py::kwargs& given) {
   require_known(given, "add",
@@ -102,8 +106,7 @@ SolidDef solid_of(const py::kwargs& given) {
 Body add_body(Core& core, const py::object& shape, const py::kwargs& given) {
   const SolidDef def = solid_of(given);
   Access scene(core);
-  // A removed body's row is taken first.
-  core.require_room(std::max(core.slots(), scene->world().body_count() + 1));
+  core.require_room_for(1);
   if (py::isinstance<ShapeValue>(shape)) {
     return {core.shared_from_this(), scene->add(shape.cast<const ShapeValue&>().shape, def)};
   }
@@ -175,8 +178,8 @@ Traceback (most recent call last):
   ...
 ValueError: mass_properties: density must be finite and > 0, is -1
 )");
-  c.def(
-      py::init([](const py::kwargs& given) { return std::make_shared<Core>(options_of(given)); }));
+  c.def(py::init(
+      [](const py::kwargs& given) { return std::make_shared<Core>(options_of(given, "Scene")); }));
   c.def("add", &add_body, py::arg("shape"),
         R"(Add a body: a shape, or a sequence of Part as one body.
 

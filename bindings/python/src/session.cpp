@@ -2,173 +2,18 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/session.h"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
-#include <utility>
+#include <variant>
 
 #include "bind.h"
 #include "body.h"
 #include "keywords.h"
-#include "network.h"
+#include "participant.h"
 
 namespace tandem::python {
 namespace {
-
-using Nanoseconds = std::chrono::nanoseconds;
-using Steady = std::chrono::steady_clock;
-
-SessionOptions session_options(const py::kwargs& given) {
-  require_known(given, "Session",
-                {"rate", "update_hz", "coupling", "mode", "predictor", "influence", "share",
-                 "initiative", "arbitration", "outvote", "authority_ramp", "limits_guesses",
-                 "extrapolates_orientation", "two_step_thresholds"});
-  SessionOptions options;
-  double rate = 60.0;
-  take(given, "rate", rate);
-  options.pace = net::PhysicsClockOptions::at_rate(rate);
-  consensus::PeerOptions& peer = options.peer;
-  take(given, "update_hz", peer.update_hz);
-  take_word(given, "coupling", {"one-pass", "two-step", "none", "single-owner"}, peer.coupling);
-  take_word(given, "mode", {"soft", "asymmetric", "hard"}, peer.mode);
-  take_word(given, "predictor", {"none", "euler", "replay"}, peer.predictor);
-  take(given, "influence", peer.influence.baseline);
-  take(given, "share", peer.replay.share);
-  take(given, "initiative", peer.initiative);
-  take(given, "arbitration", peer.arbitration);
-  take(given, "outvote", peer.robust.outvote);
-  take(given, "authority_ramp", peer.authority_ramp);
-  take(given, "limits_guesses", peer.influence.limits_guesses);
-  take(given, "extrapolates_orientation", peer.prediction.extrapolates_orientation);
-  take(given, "two_step_thresholds", peer.two_step_thresholds);
-  return options;
-}
-
-/// How old remote states are when they are used.
-class Ages final : public consensus::PeerObserver {
- public:
-  void on_estimate(const consensus::EstimateEvent& event) override {
-    sum_ += event.age;
-    ++count_;
-  }
-  std::uint64_t count() const { return count_; }
-  double mean() const { return count_ == 0 ? 0.0 : sum_ / static_cast<double>(count_); }
-
- private:
-  double sum_ = 0.0;  ///< s
-  std::uint64_t count_ = 0;
-};
-
-/// A participant, with the scene and the network that it runs on. Under the GIL but what advance()
-/// does between calls of `before_step`.
-class Participant : public std::enable_shared_from_this<Participant> {
- public:
-  Participant(CorePtr core, std::shared_ptr<Network> network, PeerId self, const py::kwargs& given)
-      : core_(std::move(core)), network_(std::move(network)) {
-    const SessionOptions options = session_options(given);
-    step_ = options.pace.nominal_step;
-    session_ = network_->open(core_->scene(), self, options);
-    session_->peer().set_observer(&ages_);
-  }
-  ~Participant() { end(); }
-  Participant(const Participant&) = delete;
-  Participant& operator=(const Participant&) = delete;
-
-  /// @throws std::runtime_error once it is closed, or while another thread steps
-  tandem::Session& session() {
-    if (!session_) throw std::runtime_error("the session is closed");
-    core_->scene();
-    return *session_;
-  }
-  consensus::Peer& peer() { return session().peer(); }
-  const CorePtr& core() const { return core_; }
-  SessionTime now() { return at_ ? *at_ : session().now(); }
-  std::uint16_t port() { return network_->port(session().transport()); }
-  const std::vector<consensus::Event>& events() const { return events_; }
-  const Ages& ages() const { return ages_; }
-
-  void close() {
-    if (!session_) return;
-    require_outside();
-    core_->scene();
-    const Core::Busy busy(*core_);
-    end();
-  }
-
-  Progress advance(std::optional<SessionTime> now, const py::object& before_step) {
-    tandem::Session& session = this->session();
-    require_outside();
-    const SessionTime until = now ? *now : session.now();
-    events_.clear();
-    const Access access(*core_);
-    const Core::Busy busy(*core_);
-    const py::gil_scoped_release released;
-    return session.advance(until, [&](SessionTime at) { between(session, at, before_step); });
-  }
-
-  void run(const py::object& before_step, std::optional<double> seconds) {
-    if (!network_->runs()) {
-      pbd::detail::refuse("Session.run: network",
-                          "one whose time passes by itself, else use advance()", "VirtualNetwork");
-    }
-    const double length = seconds.value_or(1e9);
-    pbd::detail::require(length > 0.0 && length <= 1e9, "Session.run", "seconds", length,
-                         "> 0 and at most 1e9");
-    const auto end = Steady::now() +
-                     std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(length));
-    stopped_ = false;
-    while (!stopped_ && session_) {
-      const Progress progress = advance({}, before_step);
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      const auto left = end - Steady::now();
-      if (left <= Nanoseconds(0)) return;
-      const py::gil_scoped_release released;
-      std::this_thread::sleep_for(
-          std::min<Nanoseconds>(left, Nanoseconds(std::max<SessionTime>(step_ - progress.lag, 0))));
-    }
-  }
-  void stop() { stopped_ = true; }
-
- private:
-  /// A transport may take a moment to tell the others: meanwhile other threads go on.
-  void end() {
-    std::unique_ptr<tandem::Session> gone = std::move(session_);
-    if (!gone) return;
-    const py::gil_scoped_release released;
-    gone.reset();
-  }
-  void require_outside() const {
-    if (at_) throw std::runtime_error("not within before_step");
-  }
-
-  void between(tandem::Session& session, SessionTime at, const py::object& before_step) {
-    const auto received = session.events().received();
-    const py::gil_scoped_acquire acquired;
-    events_.insert(events_.end(), received.begin(), received.end());
-    if (before_step.is_none()) return;
-    at_ = at;
-    try {
-      core_->let_in([&] { before_step(at); });
-    } catch (...) {
-      at_.reset();
-      throw;
-    }
-    at_.reset();
-  }
-
-  CorePtr core_;
-  std::shared_ptr<Network> network_;
-  Ages ages_;
-  std::unique_ptr<tandem::Session> session_;  ///< null once it is closed
-  SessionTime step_ = 0;                      ///< ns
-  std::optional<SessionTime> at_;             ///< of the step to come, within before_step
-  std::vector<consensus::Event> events_;      ///< of the last advance()
-  bool stopped_ = false;
-};
 
 struct Grab {
   std::shared_ptr<Participant> of;
@@ -178,20 +23,40 @@ struct Grab {
   void release() { of->peer().release(id); }
 };
 
-SharedId named(const std::string& name) { return SharedId::from_name(name); }
+/// What share() was told, or the 128 bits that spawn() gave.
+using Name = std::variant<std::string, py::int_>;
+
+SharedId named(const Name& name) {
+  if (const auto* text = std::get_if<std::string>(&name)) return SharedId::from_name(*text);
+  const auto& number = std::get<py::int_>(name);
+  const py::object high = number >> py::int_(64);
+  if (number < py::int_(0) || high > py::int_(UINT64_MAX)) {
+    pbd::detail::refuse("Session: id", "one that spawn() gave", std::string(py::repr(number)));
+  }
+  return {.high = high.cast<std::uint64_t>(),
+          .low = py::object(number & py::int_(UINT64_MAX)).cast<std::uint64_t>()};
+}
+
+py::object number_of(const SharedId& id) {
+  return (py::int_(id.high) << py::int_(64)) | py::int_(id.low);
+}
+
+std::string text_of(const Name& name) {
+  if (const auto* text = std::get_if<std::string>(&name)) return '"' + *text + '"';
+  return py::repr(std::get<py::int_>(name));
+}
 
 /// What is wrong with an id is told of its name.
 template <class Call>
-auto of_name(const std::string& name, Call&& call) {
+auto of_name(const Name& name, Call&& call) {
   try {
     return call();
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument("Session: \"" + name + "\": " + error.what());
+    throw std::invalid_argument("Session: " + text_of(name) + ": " + error.what());
   }
 }
 
-Grab grab(Participant& of, const std::string& name, const py::object& anchor,
-          const py::kwargs& given) {
+Grab grab(Participant& of, const Name& name, const py::object& anchor, const py::kwargs& given) {
   require_known(given, "grab", {"attachment", "stiffness", "damping", "max_force", "mode"});
   consensus::GrabDef def{.body = named(name), .anchor_w = vec3(anchor, "anchor")};
   take(given, "attachment", def.attachment_l);
@@ -204,7 +69,7 @@ Grab grab(Participant& of, const std::string& name, const py::object& anchor,
   return {of.shared_from_this(), of_name(name, [&] { return of.peer().grab(def); })};
 }
 
-void act(Participant& of, const std::string& name, const py::kwargs& given) {
+void act(Participant& of, const Name& name, const py::kwargs& given) {
   require_known(given, "act",
                 {"impulse", "angular_impulse", "position", "orientation", "velocity",
                  "angular_velocity", "once"});
@@ -225,9 +90,29 @@ void act(Participant& of, const std::string& name, const py::kwargs& given) {
     take(given, "angular_velocity", def.twist->angular);
   }
   if (given.contains("once")) {
-    def.name = named(py::cast<std::string>(given["once"])).low;
+    def.name = SharedId::from_name(py::cast<std::string>(given["once"])).low;
   }
   of_name(name, [&] { of.peer().act(def); });
+}
+
+py::object spawn(Participant& of, const std::string& what, const py::object& position,
+                 const py::object& orientation, const py::object& velocity,
+                 const py::object& angular_velocity) {
+  const Pose pose{vec3(position, "position"), quat(orientation, "orientation")};
+  const pbd::Twist twist{vec3(velocity, "velocity"), vec3(angular_velocity, "angular_velocity")};
+  const Access scene(*of.core());
+  return number_of(of.session().spawn(what, pose, twist));
+}
+
+void despawn(Participant& of, const Name& id) {
+  const Access scene(*of.core());
+  of.session().despawn(named(id));
+}
+
+std::optional<Body> body_of(Participant& of, const Name& name) {
+  const BodyId body = of.peer().body_of(named(name));
+  if (!body.valid()) return {};
+  return Body{of.core(), body};
 }
 
 std::size_t send(Participant& of, const std::string& topic, const py::bytes& payload, PeerId to) {
@@ -245,6 +130,7 @@ py::dict stats(Participant& of) {
   result["bodies_aggregated"] = s.bodies_aggregated;
   result["bodies_placed"] = s.bodies_placed;
   result["springs_refused"] = s.springs_refused;
+  result["spawns_refused"] = of.session().spawns_refused();
   result["aggregate_s"] = s.aggregate_s;
   result["estimates"] = of.ages().count();
   result["mean_age_s"] = of.ages().mean();
@@ -298,7 +184,8 @@ It owns a clock, a peer and its transport, and steps the scene. Keywords, all op
 second), update_hz, coupling ('one-pass', 'two-step', 'none', 'single-owner'), mode ('soft', 'asymmetric',
 'hard'), predictor ('replay', 'euler', 'none'), influence, share (of the gap to the replayed mean, per
 1/60 s), initiative, arbitration, outvote, authority_ramp (s), limits_guesses, extrapolates_orientation,
-two_step_thresholds. As in PeerOptions. Times are session times in ns.
+two_step_thresholds, as in PeerOptions; make, remove, max_bodies, max_of_one, see spawn(). Times are session
+times in ns.
 
 >>> import tandem
 >>> network = tandem.VirtualNetwork(profile=3)
@@ -336,7 +223,7 @@ True
           "moves it, where it is nobody's but theirs.")
       .def(
           "unshare",
-          [](Participant& of, const std::string& name) {
+          [](Participant& of, const Name& name) {
             of_name(name, [&] { of.peer().unshare(named(name)); });
           },
           py::arg("name"), "Share it no longer.")
@@ -345,6 +232,45 @@ True
 
 anchor: where the hand is, m. Keywords, all optional: attachment (m, frame of the body), stiffness (N/m),
 damping (N s/m), max_force (N), mode.)")
+      .def("spawn", &spawn, py::arg("what"), py::arg("position"), py::kw_only(),
+           py::arg("orientation") = py::make_tuple(0.0, 0.0, 0.0, 1.0),
+           py::arg("velocity") = py::make_tuple(0.0, 0.0, 0.0),
+           py::arg("angular_velocity") = py::make_tuple(0.0, 0.0, 0.0),
+           R"(Make a body at every member, the later ones included, and share it.
+
+Each member's Session has a function make(what), which gets these bytes, at most 512 and from anybody, and
+returns a new Body of its scene; None, or a ValueError, where there is no such thing. The session puts it at
+a position (m, of the centre of mass). A function remove(body), where one is given, takes it out of the
+scene in place of Scene.remove(). At a time there are at most max_bodies, max_of_one made by one member.
+Returns an int, which stands for a name in all other functions.
+
+>>> import tandem
+>>> network = tandem.VirtualNetwork()
+>>> def member(number):
+...     scene = tandem.Scene(gravity=(0, 0, 0))
+...     make = lambda what: scene.add(tandem.Sphere(0.1)) if what == b"ball" else None
+...     return tandem.Session(scene, network, number, make=make), scene
+>>> (one, here), (two, there) = member(1), member(2)
+>>> def go_on(steps):
+...     for _ in range(steps):
+...         network.advance(1 / 60)
+...         done = one.advance(), two.advance()
+>>> go_on(30)
+>>> ball = one.spawn("ball", (0, 0, 2))
+>>> go_on(30)
+>>> two.body(ball).position
+array([0., 0., 2.])
+>>> two.despawn(ball)
+>>> go_on(30)
+>>> here.bodies, there.bodies
+([], [])
+)")
+      .def("despawn", &despawn, py::arg("id"), "Remove at every member what any of them spawned.")
+      .def("body", &body_of, py::arg("name"), "The copy here; None where it is not shared.")
+      .def("on_join", &Participant::on_join, py::arg("joined").none(true),
+           "Call joined(peer) before a step for each member that has connected since the last one.")
+      .def("on_leave", &Participant::on_leave, py::arg("left").none(true),
+           "Call left(peer) likewise for each that is connected no longer.")
       .def("act", &act, py::arg("name"),
            R"(Kick a shared body, or put it somewhere, at all peers as of the same session time.
 
@@ -352,8 +278,7 @@ Keywords, all optional: impulse (N s) and angular_impulse (N m s), which are add
 velocity and angular_velocity, which are set; once, a name: of acts under one name on a body, by whomever,
 one counts within a second.)")
       .def(
-          "held",
-          [](Participant& of, const std::string& name) { return of.peer().held(named(name)); },
+          "held", [](Participant& of, const Name& name) { return of.peer().held(named(name)); },
           py::arg("name"), "Whether any user's spring holds it.")
       .def("advance", &Participant::advance, py::arg("now") = py::none(),
            py::arg("before_step") = py::none(),

@@ -4,10 +4,14 @@
 of scenes, and sessions that share bodies with other peers."""
 
 from ._tandem import (
+    Attachment,
     Batch,
     Body,
     Box,
     Capsule,
+    Car,
+    Character,
+    Cloth,
     Cone,
     Contacts,
     Cylinder,
@@ -24,6 +28,8 @@ from ._tandem import (
     Part,
     PeerInfo,
     Progress,
+    Ragdoll,
+    Rope,
     Scene,
     Session,
     Shape,
@@ -37,10 +43,14 @@ from ._tandem import (
 )
 
 __all__ = [
+    "Attachment",
     "Batch",
     "Body",
     "Box",
     "Capsule",
+    "Car",
+    "Character",
+    "Cloth",
     "Cone",
     "Contacts",
     "Cylinder",
@@ -57,6 +67,8 @@ __all__ = [
     "Part",
     "PeerInfo",
     "Progress",
+    "Ragdoll",
+    "Rope",
     "Scene",
     "Session",
     "Shape",

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 from collections.abc import Callable, Sequence
+from os import PathLike
 from types import TracebackType
 from typing import Literal
 
@@ -178,6 +179,8 @@ class StepReport:
 
 class Snapshot: ...
 
+SceneFormat = Literal["json", "gltf"]
+
 class Scene:
     def __init__(
         self,
@@ -332,6 +335,220 @@ class Scene:
         self, point: ArrayLike, max_distance: float, *, mask: int = ..., ignore: Body | None = ...
     ) -> Hit | None: ...
     def contacts(self) -> Contacts: ...
+    @staticmethod
+    def load(
+        path: str | PathLike[str],
+        *,
+        gravity: ArrayLike = ...,
+        substeps: int = ...,
+        position_iterations: int = ...,
+        joint_iterations: int = ...,
+        velocity_iterations: int = ...,
+        refine: bool = ...,
+        sleep_after: float = ...,
+        threads: int = ...,
+        hit_speed: float = ...,
+    ) -> Scene: ...
+    @staticmethod
+    def parse(
+        text: str | bytes,
+        *,
+        format: SceneFormat = ...,
+        folder: str | PathLike[str] = ...,
+        gravity: ArrayLike = ...,
+        substeps: int = ...,
+        position_iterations: int = ...,
+        joint_iterations: int = ...,
+        velocity_iterations: int = ...,
+        refine: bool = ...,
+        sleep_after: float = ...,
+        threads: int = ...,
+        hit_speed: float = ...,
+    ) -> Scene: ...
+    def find(self, name: str) -> Body: ...
+    def find_joint(self, name: str) -> Joint: ...
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def joint_names(self) -> list[str]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def add_text(self, text: str | bytes) -> Body: ...
+    def write(self) -> str: ...
+
+class Attachment:
+    @property
+    def alive(self) -> bool: ...
+    def remove(self) -> None: ...
+
+class Character:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        radius: float = ...,
+        half_height: float = ...,
+        position: ArrayLike = ...,
+        mass: float = ...,
+        max_push: float = ...,
+        max_slope: float = ...,
+        max_step: float = ...,
+        air_acceleration: float = ...,
+        padding: float = ...,
+        category: int = ...,
+        mask: int = ...,
+        group: int = ...,
+    ) -> None: ...
+    def walk(self, velocity: ArrayLike, dt: float) -> None: ...
+    def jump(self, speed: float) -> None: ...
+    @property
+    def body(self) -> Body: ...
+    @property
+    def footing(self) -> Literal["ground", "steep", "air"]: ...
+    @property
+    def ground(self) -> Body | None: ...
+    @property
+    def ground_normal(self) -> Floats: ...
+    @property
+    def velocity(self) -> Floats: ...
+    @property
+    def alive(self) -> bool: ...
+    def remove(self) -> None: ...
+
+class Car:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        position: ArrayLike = ...,
+        orientation: ArrayLike = ...,
+        half_extents: ArrayLike = ...,
+        mass: float = ...,
+        wheelbase: float = ...,
+        track: float = ...,
+        axle_height: float = ...,
+        wheel_radius: float = ...,
+        wheel_width: float = ...,
+        wheel_mass: float = ...,
+        stiffness: float = ...,
+        damping: float = ...,
+        travel: float = ...,
+        friction: float = ...,
+        drive_torque: float = ...,
+        brake_torque: float = ...,
+        top_speed: float = ...,
+        max_steer: float = ...,
+        category: int = ...,
+        mask: int = ...,
+        group: int = ...,
+    ) -> None: ...
+    def drive(
+        self, *, throttle: float = ..., steer: float = ..., brake: float = ...
+    ) -> None: ...
+    @property
+    def speed(self) -> float: ...
+    @property
+    def chassis(self) -> Body: ...
+    @property
+    def wheels(self) -> list[Body]: ...
+    @property
+    def joints(self) -> list[Joint]: ...
+    @property
+    def alive(self) -> bool: ...
+    def remove(self) -> None: ...
+
+class Rope:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        start: ArrayLike = ...,
+        end: ArrayLike = ...,
+        length: float | None = ...,
+        particles: int = ...,
+        mass: float = ...,
+        radius: float = ...,
+        compliance: float = ...,
+        bending: float = ...,
+        damping: float = ...,
+        friction: float = ...,
+        restitution: float = ...,
+        category: int = ...,
+        mask: int = ...,
+        group: int = ...,
+    ) -> None: ...
+    @property
+    def particles(self) -> list[Body]: ...
+    @property
+    def points(self) -> Floats: ...
+    def attach(self, particle: int, host: Body) -> Attachment: ...
+    @property
+    def alive(self) -> bool: ...
+    def remove(self) -> None: ...
+
+class Cloth:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        position: ArrayLike = ...,
+        orientation: ArrayLike = ...,
+        width: float = ...,
+        height: float = ...,
+        columns: int = ...,
+        rows: int = ...,
+        density: float = ...,
+        radius: float = ...,
+        stretching: float = ...,
+        shearing: float = ...,
+        bending: float = ...,
+        damping: float = ...,
+        friction: float = ...,
+        restitution: float = ...,
+        category: int = ...,
+        mask: int = ...,
+        group: int = ...,
+    ) -> None: ...
+    @property
+    def columns(self) -> int: ...
+    @property
+    def rows(self) -> int: ...
+    @property
+    def particles(self) -> list[Body]: ...
+    @property
+    def points(self) -> Floats: ...
+    def particle(self, column: int, row: int) -> Body: ...
+    def point(self, u: float, v: float) -> Floats: ...
+    def attach(self, column: int, row: int, host: Body) -> Attachment: ...
+    def tether(self) -> None: ...
+    def add_handle(self, u: float, v: float, reach: float, share: float) -> Body: ...
+    @property
+    def alive(self) -> bool: ...
+    def remove(self) -> None: ...
+
+class Ragdoll:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        position: ArrayLike = ...,
+        orientation: ArrayLike = ...,
+        height: float = ...,
+        mass: float = ...,
+        damping: float = ...,
+        friction: float = ...,
+        restitution: float = ...,
+        category: int = ...,
+        mask: int = ...,
+        group: int = ...,
+    ) -> None: ...
+    @property
+    def bodies(self) -> dict[str, Body]: ...
+    @property
+    def joints(self) -> dict[str, Joint]: ...
+    @property
+    def alive(self) -> bool: ...
+    def remove(self) -> None: ...
 
 class Batch:
     def __init__(self, scenes: Sequence[Scene], threads: int = ...) -> None: ...
@@ -456,12 +673,29 @@ class Session:
         limits_guesses: bool = ...,
         extrapolates_orientation: bool = ...,
         two_step_thresholds: bool = ...,
+        make: Callable[[bytes], Body | None] | None = ...,
+        remove: Callable[[Body], object] | None = ...,
+        max_bodies: int = ...,
+        max_of_one: int = ...,
     ) -> None: ...
     def share(self, name: str, body: Body, owner: int | None = ...) -> None: ...
-    def unshare(self, name: str) -> None: ...
+    def unshare(self, name: str | int) -> None: ...
+    def spawn(
+        self,
+        what: str | bytes,
+        position: ArrayLike,
+        *,
+        orientation: ArrayLike = ...,
+        velocity: ArrayLike = ...,
+        angular_velocity: ArrayLike = ...,
+    ) -> int: ...
+    def despawn(self, id: str | int) -> None: ...
+    def body(self, name: str | int) -> Body | None: ...
+    def on_join(self, joined: Callable[[int], object] | None) -> None: ...
+    def on_leave(self, left: Callable[[int], object] | None) -> None: ...
     def grab(
         self,
-        name: str,
+        name: str | int,
         anchor: ArrayLike,
         *,
         attachment: ArrayLike = ...,
@@ -472,7 +706,7 @@ class Session:
     ) -> Grab: ...
     def act(
         self,
-        name: str,
+        name: str | int,
         *,
         impulse: ArrayLike = ...,
         angular_impulse: ArrayLike = ...,
@@ -482,7 +716,7 @@ class Session:
         angular_velocity: ArrayLike = ...,
         once: str = ...,
     ) -> None: ...
-    def held(self, name: str) -> bool: ...
+    def held(self, name: str | int) -> bool: ...
     def advance(
         self, now: int | None = ..., before_step: Callable[[int], object] | None = ...
     ) -> Progress: ...

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+//
+// Scenes from files and as text, and the names that they have there.
+#include <pybind11/stl/filesystem.h>
+
+#include <exception>
+#include <set>
+
+#include "bind.h"
+#include "body.h"
+#include "joint.h"
+#include "keywords.h"
+#include "scene_options.h"
+
+namespace tandem::python {
+namespace {
+
+enum class SceneFormat { Json, Gltf };
+
+CorePtr load(const std::filesystem::path& path, const py::kwargs& given) {
+  const SceneOptions options = options_of(given, "load");
+  const py::gil_scoped_release released;
+  return std::make_shared<Core>(load_scene(path, options));
+}
+
+CorePtr parse(const std::string& text, const py::kwargs& given) {
+  py::kwargs rest(py::dict(given.attr("copy")()));
+  auto format = SceneFormat::Json;
+  take_word(rest, "format", {"json", "gltf"}, format);
+  std::filesystem::path folder;
+  take(rest, "folder", folder);
+  for (const char* name : {"format", "folder"}) rest.attr("pop")(name, py::none());
+  const SceneOptions options = options_of(rest, "parse");
+  const py::gil_scoped_release released;
+  return std::make_shared<Core>(format == SceneFormat::Gltf ? parse_gltf(text, folder, options)
+                                                            : parse_scene(text, options));
+}
+
+Body find(Core& core, const std::string& name) {
+  // "" would find the first one without a name.
+  const BodyId id = name.empty() ? BodyId{} : core.file().find(name);
+  if (!core.scene().world().contains(id)) {
+    pbd::detail::refuse("Scene.find: name", "that of a body of the file that is still there",
+                        "'" + name + "'");
+  }
+  return {core.shared_from_this(), id};
+}
+
+Joint find_joint(Core& core, const std::string& name) {
+  const pbd::JointId id = name.empty() ? pbd::JointId{} : core.file().find_joint(name);
+  if (!core.scene().joints().contains(id)) {
+    pbd::detail::refuse("Scene.find_joint: name", "that of a joint of the file that is still there",
+                        "'" + name + "'");
+  }
+  return {core.shared_from_this(), id};
+}
+
+/// In the file's order, each once; of what is still there.
+template <class List, class Contains>
+std::vector<std::string> names_in(const List& list, Contains&& contains) {
+  std::vector<std::string> result;
+  std::set<std::string> seen;
+  for (const auto& one : list) {
+    if (one.name.empty() || !seen.insert(one.name).second || !contains(one)) continue;
+    result.push_back(one.name);
+  }
+  return result;
+}
+
+std::vector<std::string> names(Core& core) {
+  const SceneFile& file = core.file();
+  return names_in(file.bodies, [&](const SceneFile::Body& one) {
+    return core.scene().world().contains(one.body);
+  });
+}
+
+std::vector<std::string> joint_names(Core& core) {
+  const SceneFile& file = core.file();
+  return names_in(file.joints, [&](const SceneFile::Joint& one) {
+    return core.scene().joints().contains(one.joint);
+  });
+}
+
+Body add_text(Core& core, const std::string& text) {
+  Access scene(core);
+  core.require_room_for(1);
+  SceneFile::Body added = tandem::add_body(*scene, text);
+  const BodyId id = added.body;
+  core.file().bodies.push_back(std::move(added));
+  return {core.shared_from_this(), id};
+}
+
+std::string write(Core& core) {
+  const Access scene(core);
+  return write_scene(core.file());
+}
+
+/// Messages cite the file, which may be no UTF-8.
+void translate(std::exception_ptr thrown) {
+  try {
+    std::rethrow_exception(std::move(thrown));
+  } catch (const SceneFileError& error) {
+    const std::string_view text = error.what();
+    const auto size = static_cast<py::ssize_t>(text.size());
+    const auto message = py::reinterpret_steal<py::object>(
+        PyUnicode_DecodeUTF8(text.data(), size, "backslashreplace"));
+    PyErr_SetObject(PyExc_ValueError, message.ptr());
+  }
+}
+
+}  // namespace
+
+void bind_files(SceneClass& scene) {
+  py::register_local_exception_translator(&translate);
+  scene.def_static("load", &load, py::arg("path"), R"(A scene from a file, without the GIL.
+
+Tandem's own format (docs/scene_files.md), or glTF where it ends in .gltf or .glb. Keywords as of Scene();
+gravity is the file's where that says one. What is wrong with it is a ValueError that names file, place in
+it, rule and value; strangers' files may be read. Bodies keep their names: see find() and names.)");
+  scene.def_static("parse", &parse, py::arg("text"),
+                   R"(A scene from a text (str or bytes), as load() has it.
+
+Keywords, beside those of Scene(): format ('json', 'gltf'), folder (of glTF, where its buffers may be files).
+
+>>> import tandem
+>>> scene = tandem.Scene.parse('''{"gravity": [0, 0, -10], "bodies": [
+...   {"name": "ground", "type": "static", "shape": {"type": "halfSpace"}},
+...   {"name": "cup", "shape": {"type": "sphere", "radius": 0.1}, "position": [0, 0, 0.5]}]}''')
+>>> report = scene.step(1 / 60, steps=60)
+>>> scene.names, round(float(scene.find("cup").position[2]), 3)
+(['ground', 'cup'], 0.1)
+>>> tandem.Scene.parse('{"bodies": [{"shape": {"type": "sphere", "radius": -1}}]}')
+Traceback (most recent call last):
+  ...
+ValueError: scene: /bodies/0/shape: Sphere.radius must be > 0 and at most 1e6 m, is -1
+)");
+  scene.def("find", &find, py::arg("name"), "The first body of that name in the scene's file.");
+  scene.def("find_joint", &find_joint, py::arg("name"), "The first joint of that name there.");
+  scene.def_property_readonly("names", &names,
+                              "of bodies of the scene's file that are still there, in its order");
+  scene.def_property_readonly("joint_names", &joint_names, "of joints, likewise");
+  scene.def_property_readonly(
+      "warnings", [](Core& core) { return core.file().warnings; },
+      "what the scene's file has and the scene has not, with its place");
+  scene.def("add_text", &add_text, py::arg("text"),
+            R"(Add a body as the format has it in "bodies"; find() knows its name.
+
+>>> import tandem
+>>> scene = tandem.Scene()
+>>> ball = scene.add_text('{"name": "ball", "shape": {"type": "sphere", "radius": 0.5}, "mass": 2}')
+>>> scene.find("ball") == ball, ball.mass
+(True, 2.0)
+)");
+  scene.def("write", &write,
+            R"(The scene as text of Tandem's format, with the names that it has.
+
+What is made of it moves by the same bits as a scene that was made so; not in it are options and what the
+solver carries from step to step. Rows other than joints, as ropes and cloth have them, are a ValueError.)");
+}
+
+}  // namespace tandem::python
