@@ -70,8 +70,19 @@ void RecordedHand::close(std::size_t body, const HandRecord::Hold& hold) {
   const Scene& scene = controls_.scene();
   const pbd::Vec3& half = scene.bodies[body].half_extents;
   attachment_l_ = hold.attachment_l.cwiseMax(-half).cwiseMin(half);
-  grabbed_w_ = anchor_w_ = scene.pose(body).to_world(attachment_l_);
+  grabbed_w_ = smooth_w_ = anchor_w_ = scene.pose(body).to_world(attachment_l_);
+  smooth_velocity_.setZero();
   closed_ = true;
+}
+
+/// A critically damped spring pulls it to the pointer: its exact motion over a step.
+void RecordedHand::smooth(const pbd::Vec3& wanted_w) {
+  constexpr double kRate = 1.0 / kSmooth;
+  const pbd::Vec3 behind = smooth_w_ - wanted_w;
+  const pbd::Vec3 drift = (smooth_velocity_ + kRate * behind) * controls_.dt();
+  const double left = std::exp(-kRate * controls_.dt());
+  smooth_velocity_ = left * (smooth_velocity_ - kRate * drift);
+  smooth_w_ = wanted_w + left * (behind + drift);
 }
 
 void RecordedHand::follow(const HandRecord::Hold& hold, double time) {
@@ -80,7 +91,8 @@ void RecordedHand::follow(const HandRecord::Hold& hold, double time) {
   pbd::Vec3 wanted = grabbed_w_ + moved.cwiseProduct(scale_);
   wanted.z() = std::max(wanted.z(), std::min(kLowest, grabbed_w_.z()));
   const pbd::Vec3 held = controls_.scene().pose(body).to_world(attachment_l_);
-  anchor_w_ += at_most(wanted - anchor_w_, kFastest * controls_.dt());
+  smooth(wanted);
+  anchor_w_ += at_most(smooth_w_ - anchor_w_, kFastest * controls_.dt());
   anchor_w_ = held + at_most(anchor_w_ - held, kReach);
   if (spring_) {
     controls_.move(*spring_, anchor_w_);

@@ -2,15 +2,18 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // The user's hand, which holds a body by a spring: as strong as four times its weight, at most 2 m/s fast and never
-// farther than 10 cm from the point that it holds, so that a long pull tows and does not throw.
+// farther than 10 cm from the point that it holds, so that a long pull tows and does not throw. A pointer moves in steps,
+// one for each picture: others would carry each on as if it lasted. It is followed as by a critically damped spring.
 import {minus, plus, poseOf, shortened, toWorld} from './poses.js';
 
+const SMOOTH = 0.03;      // s
 const FASTEST = 2;        // m/s
 const REACH = 0.1;        // m
 const FORCE = 40;         // N/kg
 const FULL_AT = 0.04;     // m, from where on it pulls with all its force
 const DAMPING_RATIO = 0.7;
 const DT = 1 / 60;        // s
+const LEFT = Math.exp(-DT / SMOOTH);
 
 export class Hand {
   #grab = null;
@@ -20,12 +23,15 @@ export class Hand {
     Object.assign(this, {held, attachment});
     this.anchor = this.point;
     this.wanted = this.anchor;
+    this.smooth = this.anchor;             // m, world: `wanted` without its steps
+    this.velocity = [0, 0, 0];             // m/s, of that
   }
   /** m, world: what it holds. */
   get point() { return toWorld(poseOf(this.held.body), this.attachment); }
   /** Before each step. @param {object} peer @param {bigint} now */
   update(peer, now) {
-    this.anchor = plus(this.anchor, shortened(minus(this.wanted, this.anchor), FASTEST * DT));
+    this.#follow();
+    this.anchor = plus(this.anchor, shortened(minus(this.smooth, this.anchor), FASTEST * DT));
     this.anchor = plus(this.point, shortened(minus(this.anchor, this.point), REACH));
     if (this.#grab !== null) return peer.move(this.#grab, this.anchor, now);
     const maxForce = FORCE * this.held.mass;
@@ -34,6 +40,13 @@ export class Hand {
       attachment: this.attachment, anchor: this.anchor, stiffness, maxForce,
       damping: 2 * DAMPING_RATIO * Math.sqrt(stiffness * this.held.mass),
     });
+  }
+  /** The spring's exact motion over a step. */
+  #follow() {
+    const behind = minus(this.smooth, this.wanted);
+    const drift = behind.map((x, i) => (this.velocity[i] + x / SMOOTH) * DT);
+    this.velocity = drift.map((x, i) => LEFT * (this.velocity[i] - x / SMOOTH));
+    this.smooth = this.wanted.map((x, i) => x + LEFT * (behind[i] + drift[i]));
   }
   release(peer) {
     if (this.#grab !== null) peer.release(this.#grab);
