@@ -31,6 +31,8 @@ scene.add(tandem.HalfSpace(), type="static")
 ball = scene.add(tandem.Sphere(0.1), position=(0, 0, 1))
 scene.step(1 / 60, steps=120)
 assert abs(scene.state[ball.index, 2] - 0.1) < 1e-3, scene.state
+with tandem.view(scene, open_browser=False) as page:
+    page.show()
 print("python:", tandem.__file__)'
 PYTHONPATH=$scratch/unpacked/usr/lib/python3/dist-packages /usr/bin/python3 -c "$program" ||
   fail "the package does not run"

@@ -16,6 +16,7 @@ SceneClass bind_scene(py::module_& m);
 void bind_joints(py::module_& m, SceneClass& scene);
 void bind_queries(py::module_& m, SceneClass& scene);
 void bind_contacts(py::module_& m, SceneClass& scene);
+void bind_shown(SceneClass& scene);
 void bind_batch(py::module_& m);
 void bind_networks(py::module_& m);
 void bind_sessions(py::module_& m);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -47,6 +48,9 @@ class Core : public std::enable_shared_from_this<Core> {
   /// All rows, by slot; whatever was written, and from any thread.
   std::span<const pbd::BodyState> states() const { return scene_.world().states(); }
   std::size_t slots() const { return states().size(); }
+
+  /// How often it was put back: what has an id may then be another body than before.
+  std::uint32_t restores = 0;
 
   /// While steps run without the GIL.
   class Busy {

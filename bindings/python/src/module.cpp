@@ -11,6 +11,7 @@ PYBIND11_MODULE(_tandem, m) {
   bind_joints(m, scene);
   bind_queries(m, scene);
   bind_contacts(m, scene);
+  bind_shown(scene);
   bind_batch(m);
   bind_networks(m);
   bind_sessions(m);

@@ -35,6 +35,7 @@ from ._tandem import (
     VirtualNetwork,
     __version__,
 )
+from .viewer import View, view
 
 __all__ = [
     "Batch",
@@ -65,5 +66,7 @@ __all__ = [
     "StepReport",
     "Tcp",
     "Udp",
+    "View",
     "VirtualNetwork",
+    "view",
 ]
