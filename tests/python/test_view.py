@@ -10,7 +10,6 @@ import struct
 import threading
 import tracemalloc
 import types
-import urllib.error
 import urllib.parse
 import urllib.request
 
@@ -76,7 +75,7 @@ class Client:
         return parts
 
     def shape(self, number):
-        return json.loads(fetch(self.page, f"shape/{number}"))
+        return json.loads(fetch(self.page, f"shapes/{number}"))[str(number)]
 
 
 def test_frames_are_the_scenes_state(scene):
@@ -125,6 +124,9 @@ def test_all_shapes_are_described(scene):
         client = Client(page)
         client.next()
         said = {}
+        numbers = [parts[0][0] for _, *parts in client.bodies]
+        together = json.loads(fetch(page, f"shapes/{','.join(map(str, numbers))},999"))
+        assert together == {str(number): client.shape(number) for number in numbers}
         for name, body in added.items():
             ((number, *pose, sensor),) = client.parts(body)
             assert pose == pytest.approx([0, 0, 0, 0, 0, 0, 1], abs=1e-12) and sensor == 0
@@ -190,8 +192,7 @@ def test_bodies_that_come_and_go_are_seen(shown):
     number = client.parts(box)[0][0]
     scene.remove(box)
     page.show()
-    with pytest.raises(urllib.error.HTTPError, match="404"):
-        client.shape(number)
+    assert fetch(page, f"shapes/{number}") == b"{}"
 
 
 def test_after_restore_bodies_are_others(shown):
@@ -219,7 +220,7 @@ def test_only_who_knows_the_token_and_the_name_is_served(shown):
     assert status(page, f"/{token}/view.js", Host=f"localhost:{address.port}") == 200
     for path in ("/", f"/{token}", f"/{token[:-1]}/", f"/{token}x/", "//", f"/x/{token}/", "/frame", "/%e9/", "http://[/"):
         assert status(page, path, Host=here) == 404, path
-    for path in ("x", "../view.js", "viewer.py", "frame?after=-1", "frame?after=1e3", "shape/99", "shape/x", "shape/"):
+    for path in ("x", "../view.js", "viewer.py", "frame?after=-1", "frame?after=1e3", "shapes/1,x", "shapes/,", "shapes/", "shape/0"):
         assert status(page, f"/{token}/{path}", Host=here) == 404, path
     for host in ("127.0.0.1", "evil.example", f"evil.example:{address.port}", "", f"127.0.0.1:{address.port + 1}"):
         assert status(page, f"/{token}/", Host=host) == 404, host

@@ -55,7 +55,7 @@ void main() {
 }`;
 const PLANE_FRAGMENT = `${COMMON}
 in vec2 offset, place;
-uniform float cell; uniform bool behind;
+uniform float cell, tone; uniform bool behind;
 out vec4 result;
 float lines(float width) {
   vec2 x = place / width, w = max(fwidth(x), 1e-6);
@@ -65,7 +65,8 @@ float lines(float width) {
 void main() {
   float line = max(0.35 * lines(cell), 0.6 * lines(10.0 * cell));
   float fade = 1.0 - smoothstep(0.2, 1.0, length(offset));
-  result = vec4(mix(vec3(0.80, 0.83, 0.86), vec3(0.45, 0.52, 0.58), line), fade * (behind ? 0.12 : 0.9));
+  if (fade < 0.02) discard;
+  result = vec4(tone * mix(vec3(0.80, 0.83, 0.86), vec3(0.45, 0.52, 0.58), line), fade * (behind ? 0.12 : 0.9));
 }`;
 
 function program(vertex, fragment) {
@@ -126,38 +127,42 @@ const PLANE = drawable({corners: [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], norma
                         triangles: [0, 1, 2, 0, 2, 3]});
 
 // --- Shapes, by the server's numbers: {draw, scale, radius, quarters}, {plane}, or {} until it has come.
+const MAX_SHAPES = 200;  // in one request, as in view_server.py
 const shapes = new Map();
-async function load(number) {
-  shapes.set(number, {});
-  const reply = await fetch(`shape/${number}`);
-  if (!reply.ok || !shapes.has(number)) return;  // it has gone again
-  const s = await reply.json();
-  const r = s.radius, h = s.half_height;
-  const own = (geometry) => ({draw: drawable(geometry), own: true, scale: [1, 1, 1]});
-  let made;
-  if (s.kind === 'box') made = {draw: UNIT.box, scale: s.half, radius: Math.hypot(...s.half)};
-  else if (s.kind === 'sphere') made = {draw: UNIT.sphere, scale: [r, r, r], radius: r, quarters: true};
-  else if (s.kind === 'cylinder') made = {
-    draw: UNIT.cylinder, scale: [r, r, h], radius: Math.hypot(r, h), quarters: true,
-  };
-  else if (s.kind === 'capsule') made = {...own(capsule(r, h)), radius: r + h, quarters: true};
-  else if (s.kind === 'cone') {
-    const side = [2 * h / Math.hypot(2 * h, r), r / Math.hypot(2 * h, r)];
-    made = {...own(lathe([[0, -h, 0, -1], [r, -h, 0, -1], [r, -h, ...side], [0, h, ...side]])),
-            radius: Math.hypot(r, h), quarters: true};
-  } else if (s.kind === 'halfspace') made = {plane: s};
-  else {
-    const vertices = new Float32Array(bytesOf(s.vertices)), indices = new Uint32Array(bytesOf(s.triangles));
-    made = {...own(mesh(vertices, indices, s.smooth)), radius: 0};
-    for (let i = 0; i < vertices.length; i += 3) {
-      made.radius = Math.max(made.radius, Math.hypot(...vertices.subarray(i, i + 3)));
-    }
+async function load(numbers) {
+  for (const number of numbers) shapes.set(number, {});
+  const reply = await fetch(`shapes/${numbers}`);
+  for (const [number, shape] of Object.entries(await reply.json())) {
+    if (shapes.has(+number)) shapes.set(+number, made(shape));  // else it has gone again
   }
-  shapes.set(number, made);
   dirty = true;
 }
+function made(s) {
+  const r = s.radius, h = s.half_height;
+  const own = (geometry) => ({draw: drawable(geometry), own: true, scale: [1, 1, 1]});
+  switch (s.kind) {
+    case 'halfspace': return {plane: s};
+    case 'box': return {draw: UNIT.box, scale: s.half, radius: Math.hypot(...s.half)};
+    case 'sphere': return {draw: UNIT.sphere, scale: [r, r, r], radius: r, quarters: true};
+    case 'cylinder': return {draw: UNIT.cylinder, scale: [r, r, h], radius: Math.hypot(r, h), quarters: true};
+    case 'capsule': return {...own(capsule(r, h)), radius: r + h, quarters: true};
+    case 'cone': {
+      const side = [2 * h / Math.hypot(2 * h, r), r / Math.hypot(2 * h, r)];
+      return {...own(lathe([[0, -h, 0, -1], [r, -h, 0, -1], [r, -h, ...side], [0, h, ...side]])),
+              radius: Math.hypot(r, h), quarters: true};
+    }
+  }
+  const vertices = new Float32Array(bytesOf(s.vertices)), indices = new Uint32Array(bytesOf(s.triangles));
+  let radius = 0;
+  for (let i = 0; i < vertices.length; i += 3) radius = Math.max(radius, Math.hypot(...vertices.subarray(i, i + 3)));
+  return {...own(mesh(vertices, indices, s.smooth)), radius};
+}
 function keepOnly(numbers) {
-  for (const number of numbers) if (!shapes.has(number)) load(number).catch(() => shapes.delete(number));
+  const wanted = [...numbers].filter((number) => !shapes.has(number));
+  for (let i = 0; i < wanted.length; i += MAX_SHAPES) {
+    const some = wanted.slice(i, i + MAX_SHAPES);
+    load(some).catch(() => some.forEach((number) => shapes.delete(number)));  // asked for again, if need be
+  }
   for (const [number, {own, draw}] of shapes) {
     if (numbers.has(number)) continue;
     if (own) {
@@ -329,7 +334,10 @@ function drawPlane({normal, level}, eye, view) {
   gl.uniform4fv(planes.q, q);
   gl.uniform1f(planes.size, 12 * camera.distance);
   gl.uniform1f(planes.cell, 10 ** Math.floor(Math.log10(camera.distance / 3)));
-  gl.uniform1i(planes.behind, dot(normal, eye) < level ? 1 : 0);
+  const behind = dot(normal, eye) < level;
+  gl.uniform1i(planes.behind, behind ? 1 : 0);
+  gl.uniform1f(planes.tone, 0.86 + 0.07 * normal[0] + 0.14 * normal[2]);  // walls are darker than floors
+  gl.depthMask(!behind);  // one sees through them from behind
   gl.drawElements(gl.TRIANGLES, 6, gl.UNSIGNED_INT, 0);
 }
 function draw() {
@@ -337,7 +345,7 @@ function draw() {
   if (!dirty) return;
   dirty = false;
   const {draws, flat} = place();
-  if (!camera.fitted) fit();
+  if (!camera.fitted && ![...shapes.values()].some(({draw, plane}) => !draw && !plane)) fit();  // all have come
   const ratio = Math.min(devicePixelRatio || 1, 2);
   const [w, h] = [Math.round(canvas.clientWidth * ratio) || 1, Math.round(canvas.clientHeight * ratio) || 1];
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
@@ -363,12 +371,14 @@ function draw() {
 
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-  gl.depthMask(false);
   for (const plane of flat) drawPlane(plane, eye, view);
+  gl.depthMask(false);
   gl.useProgram(solids.program);
   // Shadows on the first floor, once for each pixel.
   const floor = flat.find(({normal, level}) => normal[2] > 0.5 && dot(normal, eye) > level);
   if (floor) {
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(-2, -4);  // they lie in it
     gl.enable(gl.STENCIL_TEST);
     gl.stencilFunc(gl.EQUAL, 0, 255);
     gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
@@ -377,6 +387,7 @@ function draw() {
     drawSolids(draws, 'solid');
     gl.uniform1i(solids.shadow, 0);
     gl.disable(gl.STENCIL_TEST);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
   }
   drawSolids(draws, 'clear');
   gl.bindVertexArray(null);

@@ -20,6 +20,7 @@ from typing import Any
 from urllib.parse import parse_qs
 
 MAX_CONNECTIONS = 16
+MAX_SHAPES = 200  # in one request, as in view.js
 WAIT = 10.0  # s, that a page waits for a newer frame before it asks again
 TIMEOUT = 30.0  # s, for a client that says nothing or takes nothing
 
@@ -151,12 +152,13 @@ class Handler(BaseHTTPRequestHandler):
                 return self.send_error(404)
             frame = self.server.newer(after)
             return self._reply(frame.body(scene) if frame else b"", "application/octet-stream")
-        kind, _, name = asked.partition("/")
-        number = _number(name) if kind == "shape" else None
-        shape = None if number is None else self.server.frame.shapes.get(number)
-        if shape is None:
+        kind, _, names = asked.partition("/")
+        numbers = [_number(name) for name in names.split(",", MAX_SHAPES)]
+        if kind != "shapes" or None in numbers:
             return self.send_error(404)
-        self._reply(shape, "application/json")
+        shapes = self.server.frame.shapes
+        found = [b'"%d":%s' % (n, shapes[n]) for n in numbers if n is not None and n in shapes]
+        self._reply(b"{%s}" % b",".join(found), "application/json")
 
     def do_POST(self) -> None:
         self.close_connection = True  # whatever else it sends is not read
