@@ -26,7 +26,7 @@ def make_wheel(
     files = {
         f"tandem/{path.name}": path.read_bytes()
         for path in sorted(package.iterdir())
-        if path.suffix in (".py", ".pyi", ".so") or path.name == "py.typed"
+        if path.suffix in (".py", ".pyi", ".so", ".html", ".js") or path.name == "py.typed"
     }
     for path in sorted(licenses.iterdir()) if licenses else []:
         files[f"{info}/licenses/{path.name}"] = path.read_bytes()

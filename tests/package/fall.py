@@ -17,3 +17,7 @@ for step in range(1, 481):
 assert error < 1, f"the fall is wrong: {error}"
 assert abs(cube.position[2] - 0.05) < 1e-3, cube.position
 print(f"the cube lies at {cube.position[2]:.3f} m; it fell with {error:.2f} of the error allowed")
+# Its files are there, too.
+assert len(tandem.Scene.parse(scene.write()).bodies) == 2
+with tandem.view(scene, open_browser=False) as page:
+    page.show()

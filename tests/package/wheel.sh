@@ -66,6 +66,8 @@ except ValueError as error:
 session = tandem.Session(scene, tandem.Udp(0, key=secrets.token_bytes(32)), peer=1)  # libsodium
 assert session.port > 0
 session.close()
+with tandem.view(scene, open_browser=False) as page:
+    page.show()
 print("wheel:", tandem.__file__)'
 (cd "$scratch" && PYTHONPATH=$site /usr/bin/python3 -c "$program") || fail "the package does not run"
 echo "wheel: the package can be used"

@@ -41,4 +41,5 @@ def test_pip_takes_the_wheel(tmp_path):
     pip = [sys.executable, "-m", "pip", "install", "--no-index", "--no-deps", "--target", tmp_path / "to", made]
     done = subprocess.run(pip, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert (tmp_path / "to/tandem/py.typed").exists()
+    for name in ("py.typed", "viewer.py", "view_server.py", "view.html", "view.js", "view_geometry.js"):
+        assert (tmp_path / "to/tandem" / name).exists()

@@ -22,6 +22,7 @@ void bind_cars(py::module_& m);
 void bind_ropes(py::module_& m);
 void bind_cloth(py::module_& m);
 void bind_ragdolls(py::module_& m);
+void bind_shown(SceneClass& scene);
 void bind_batch(py::module_& m);
 void bind_networks(py::module_& m);
 void bind_sessions(py::module_& m);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bind.h"
+#include "shown.h"
 #include "tandem/pbd/validate.h"
 
 namespace tandem::python {
@@ -141,6 +142,26 @@ False
   c.def_property_readonly("awake", [](const Body& b) { return world(b).awake(b.id); });
   c.def_property_readonly(
       "in_contact", [](const Body& b) { return world(b).in_contact(b.id); }, "in the last step");
+  c.def_property_readonly(
+      "shapes",
+      [](const Body& b) {
+        py::list shapes;
+        world(b).props(b.id);  // refuses those that are gone
+        for (const py::handle part : parts_of(b.core->scene(), {&b.id.index, 1})) {
+          const auto fields = py::reinterpret_borrow<py::tuple>(part);
+          shapes.append(py::make_tuple(fields[1], fields[2], fields[3]));
+        }
+        return shapes;
+      },
+      R"(its shapes, each with position (m) and orientation (x, y, z, w) in the body's shape frame
+
+>>> import tandem
+>>> scene = tandem.Scene()
+>>> ball = scene.add(tandem.Sphere(0.1), position=(0, 0, 1))
+>>> [(shape, position, orientation)] = ball.shapes
+>>> shape.radius, position
+(0.1, array([0., 0., 0.]))
+)");
   bind_motion(c);
   bind_forces(c);
 }

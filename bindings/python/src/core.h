@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -53,6 +54,9 @@ class Core : public std::enable_shared_from_this<Core> {
   /// All rows, by slot; whatever was written, and from any thread.
   std::span<const pbd::BodyState> states() const { return file_.scene.world().states(); }
   std::size_t slots() const { return states().size(); }
+
+  /// How often it was put back: what has an id may then be another body than before.
+  std::uint32_t restores = 0;
 
   /// While steps run without the GIL.
   class Busy {

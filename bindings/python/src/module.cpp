@@ -17,6 +17,7 @@ PYBIND11_MODULE(_tandem, m) {
   bind_ropes(m);
   bind_cloth(m);
   bind_ragdolls(m);
+  bind_shown(scene);
   bind_batch(m);
   bind_networks(m);
   bind_sessions(m);

@@ -150,6 +150,7 @@ std::unique_ptr<Snapshot> save(Core& core) {
 void restore(Core& core, const Snapshot& snapshot) {
   Access scene(core);
   core.require_room(snapshot.copy.world().slot_count());
+  ++core.restores;
   snapshot.copy.restore(scene->world());
 }
 

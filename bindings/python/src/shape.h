@@ -16,4 +16,7 @@ struct PartValue {
   collision::CompoundPart part;
 };
 
+/// The shape as what it is in Python: a Sphere, a Box ...
+py::object object_of(const collision::Shape& shape);
+
 }  // namespace tandem::python

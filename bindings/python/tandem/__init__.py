@@ -41,6 +41,7 @@ from ._tandem import (
     VirtualNetwork,
     __version__,
 )
+from .viewer import View, view
 
 __all__ = [
     "Attachment",
@@ -77,5 +78,7 @@ __all__ = [
     "StepReport",
     "Tcp",
     "Udp",
+    "View",
     "VirtualNetwork",
+    "view",
 ]

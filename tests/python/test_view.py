@@ -1,0 +1,370 @@
+# SPDX-License-Identifier: MIT
+# Copyright (c) 2026 The Tandem authors
+"""tandem.view(): what its server sends, to whom, and what is left of it in the end."""
+
+import base64
+import http.client
+import json
+import socket
+import struct
+import threading
+import tracemalloc
+import types
+import urllib.parse
+import urllib.request
+
+import numpy as np
+import pytest
+import tandem
+
+CORNERS = [(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)]
+
+
+@pytest.fixture
+def scene():
+    scene = tandem.Scene()
+    scene.add(tandem.HalfSpace(), type="static")
+    return scene
+
+
+@pytest.fixture
+def shown(scene):
+    """The scene, and a page of it."""
+    with tandem.view(scene, open_browser=False) as page:
+        yield scene, page
+
+
+def fetch(page, path="", **options):
+    with urllib.request.urlopen(urllib.request.Request(page.url + path, **options), timeout=20) as reply:
+        return reply.read()
+
+
+def status(page, path, method="GET", **headers):
+    """Of a request as it is written here: urllib would put it right."""
+    connection = http.client.HTTPConnection("127.0.0.1", urllib.parse.urlsplit(page.url).port, timeout=20)
+    connection.putrequest(method, path, skip_host=True)
+    for name, value in headers.items():
+        connection.putheader(name, value)
+    connection.endheaders()
+    code = connection.getresponse().status
+    connection.close()
+    return code
+
+
+class Client:
+    """What the page does with frames."""
+
+    def __init__(self, page):
+        self.page = page
+        self.number = self.scene = 0
+        self.bodies = []
+
+    def next(self):
+        """By index of a body: its eight numbers."""
+        data = fetch(self.page, f"frame?after={self.number}&scene={self.scene}")
+        self.number, self.scene, size, self.time = struct.unpack_from("<IIId", data)
+        if size:
+            self.bodies = json.loads(data[24 : 24 + size])
+        self.described = size > 0
+        rows = np.frombuffer(data, "<f4", offset=24 + size).reshape(-1, 8)
+        assert len(rows) == len(self.bodies)
+        return {body[0]: row for body, row in zip(self.bodies, rows)}
+
+    def parts(self, body):
+        (parts,) = [parts for index, *parts in self.bodies if index == body.index]
+        return parts
+
+    def shape(self, number):
+        return json.loads(fetch(self.page, f"shapes/{number}"))[str(number)]
+
+
+def test_frames_are_the_scenes_state(scene):
+    # A cone's frame is not that of its centre of mass.
+    cone = scene.add(tandem.Cone(0.2, 0.4), position=(1, 2, 3), orientation=(0.6, 0, 0, 0.8), angular_velocity=(1, 2, 3))
+    lift = scene.add(tandem.Box(1, 1, 0.1), type="kinematic", position=(9, 0, 1))
+    with tandem.view(scene, open_browser=False) as page:
+        client = Client(page)
+        assert client.next()[cone.index][:3] == pytest.approx((1, 2, 3))
+        scene.step(1 / 60, steps=10)
+        page.show()
+        rows = client.next()
+        assert client.time == scene.time and not client.described
+        for body, kind in ((cone, 2 + 4), (lift, 1)):
+            assert rows[body.index][:3] == pytest.approx(body.position)
+            assert rows[body.index][3:7] == pytest.approx(body.orientation)
+            assert int(rows[body.index][7]) & 3 == kind & 3
+        assert rows[cone.index][7] == 2 + 4
+
+
+def test_what_sleeps_is_said_to(scene):
+    ball = scene.add(tandem.Sphere(0.1), position=(0, 0, 0.1))
+    with tandem.view(scene, open_browser=False) as page:
+        client = Client(page)
+        assert client.next()[ball.index][7] == 2 + 4
+        scene.step(1 / 60, steps=300)
+        assert not ball.awake
+        page.show()
+        assert client.next()[ball.index][7] == 2
+
+
+def test_all_shapes_are_described(scene):
+    heights = np.arange(12.0).reshape(3, 4)
+    added = {
+        "sphere": scene.add(tandem.Sphere(0.25)),
+        "box": scene.add(tandem.Box(1, 2, 3)),
+        "capsule": scene.add(tandem.Capsule(0.25, 0.5)),
+        "cylinder": scene.add(tandem.Cylinder(0.25, 0.5)),
+        "cone": scene.add(tandem.Cone(0.25, 0.5)),
+        "halfspace": scene.add(tandem.HalfSpace((1, 0, 0), -5.0), type="static"),
+        "hull": scene.add(tandem.Hull(CORNERS)),
+        "mesh": scene.add(tandem.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]), type="static"),
+        "field": scene.add(tandem.HeightField(heights, 0.5, 2.0), type="static"),
+    }
+    with tandem.view(scene, open_browser=False) as page:
+        client = Client(page)
+        client.next()
+        said = {}
+        numbers = [parts[0][0] for _, *parts in client.bodies]
+        together = json.loads(fetch(page, f"shapes/{','.join(map(str, numbers))},999"))
+        assert together == {str(number): client.shape(number) for number in numbers}
+        for name, body in added.items():
+            ((number, *pose, sensor),) = client.parts(body)
+            assert pose == pytest.approx([0, 0, 0, 0, 0, 0, 1], abs=1e-12) and sensor == 0
+            said[name] = client.shape(number)
+    round_one = {"radius": 0.25, "half_height": 0.5}
+    assert said["sphere"] == {"kind": "sphere", "radius": 0.25}
+    assert said["box"] == {"kind": "box", "half": [1, 2, 3]}
+    for name in ("capsule", "cylinder", "cone"):
+        assert said[name] == {"kind": name, **round_one}
+    assert said["halfspace"] == {"kind": "halfspace", "normal": [1, 0, 0], "offset": -5}
+    volumes = {}
+    for name in ("hull", "mesh", "field"):
+        assert said[name]["kind"] == "mesh"
+        vertices = np.frombuffer(base64.b64decode(said[name]["vertices"]), "<f4").reshape(-1, 3)
+        triangles = np.frombuffer(base64.b64decode(said[name]["triangles"]), "<u4").reshape(-1, 3)
+        a, b, c = (vertices[triangles[:, k]] for k in range(3))
+        volumes[name] = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+        said[name] = vertices, np.cross(b - a, c - a)
+    assert volumes["hull"] == pytest.approx(1)  # closed, all triangles outwards
+    assert sorted(map(tuple, said["hull"][0])) == CORNERS
+    vertices, normals = said["field"]
+    assert len(vertices) == 12 and np.all(normals[:, 2] > 0)
+    assert sum(normals[:, 2]) / 2 == pytest.approx(1.5 * 4.0)  # seen from above, the whole grid
+    assert sorted(map(tuple, vertices)) == sorted((0.5 * j, 2.0 * i, heights[i, j]) for i in range(3) for j in range(4))
+
+
+def test_a_body_has_its_shapes(scene):
+    parts = [
+        tandem.Part(tandem.Sphere(0.1), position=(1, 0, 0)),
+        tandem.Part(tandem.Cone(0.2, 0.4), position=(0, 2, 0), orientation=(0.6, 0, 0, 0.8)),
+    ]
+    body = scene.add(parts, position=(5, 5, 5))
+    (ball, at, turned), (cone, there, leaning) = body.shapes
+    assert isinstance(ball, tandem.Sphere) and ball.radius == 0.1
+    assert isinstance(cone, tandem.Cone) and (cone.radius, cone.half_height) == (0.2, 0.4)
+    assert at == pytest.approx((1, 0, 0)) and there == pytest.approx((0, 2, 0), abs=1e-12)
+    assert turned == pytest.approx((0, 0, 0, 1)) and leaning == pytest.approx((0.6, 0, 0, 0.8))
+    scene.remove(body)
+    with pytest.raises(ValueError):
+        body.shapes
+
+
+def test_bodies_that_come_and_go_are_seen(shown):
+    scene, page = shown
+    client = Client(page)
+    client.next()
+    first = scene.add(tandem.Sphere(0.1), position=(1, 0, 0))
+    second = scene.add(tandem.Sphere(0.1), position=(2, 0, 0), sensor=True)
+    page.show()
+    assert client.next()[second.index][0] == 2
+    assert [part[0] for part in client.parts(first)] == [part[0] for part in client.parts(second)]  # sent once
+    assert [client.parts(body)[0][8] for body in (first, second)] == [0, 1]
+    scene.remove(first)
+    page.show()
+    assert first.index not in client.next() and client.described
+    # Another body in the same row is another one.
+    box = scene.add(tandem.Box(1, 1, 1), position=(3, 0, 0))
+    assert box.index == first.index
+    page.show()
+    assert client.next()[box.index][0] == 3
+    assert client.shape(client.parts(box)[0][0])["kind"] == "box"
+    # What nobody has any more is not kept.
+    number = client.parts(box)[0][0]
+    scene.remove(box)
+    page.show()
+    assert fetch(page, f"shapes/{number}") == b"{}"
+
+
+def test_after_restore_bodies_are_others(shown):
+    scene, page = shown
+    before = scene.save()
+    ball = scene.add(tandem.Sphere(0.1))
+    page.show(pace=False)
+    scene.restore(before)
+    box = scene.add(tandem.Box(1, 1, 1))
+    assert box.index == ball.index
+    page.show(pace=False)
+    client = Client(page)
+    client.next()
+    assert client.shape(client.parts(box)[0][0])["kind"] == "box"
+
+
+def test_only_who_knows_the_token_and_the_name_is_served(shown):
+    _, page = shown
+    address = urllib.parse.urlsplit(page.url)
+    token = address.path.strip("/")
+    assert address.hostname == "127.0.0.1"
+    assert b"view.js" in fetch(page)
+    here = f"127.0.0.1:{address.port}"
+    assert status(page, f"/{token}/", Host=here) == 200
+    assert status(page, f"/{token}/view.js", Host=f"localhost:{address.port}") == 200
+    for path in ("/", f"/{token}", f"/{token[:-1]}/", f"/{token}x/", "//", f"/x/{token}/", "/frame", "/%e9/", "http://[/"):
+        assert status(page, path, Host=here) == 404, path
+    for path in ("x", "../view.js", "viewer.py", "frame?after=-1", "frame?after=1e3", "shapes/1,x", "shapes/,", "shapes/", "shape/0"):
+        assert status(page, f"/{token}/{path}", Host=here) == 404, path
+    for host in ("127.0.0.1", "evil.example", f"evil.example:{address.port}", "", f"127.0.0.1:{address.port + 1}"):
+        assert status(page, f"/{token}/", Host=host) == 404, host
+        assert status(page, f"/{token}/stop", method="POST", Host=host) == 404, host
+    assert status(page, f"/{token}/") == 404
+    assert status(page, "/stop", method="POST", Host=here) == 404
+    assert status(page, f"/{token}/", method="PUT", Host=here) == 404
+    assert page.open
+
+
+def test_stop_on_the_page_ends_the_loop(shown):
+    scene, page = shown
+    assert page.open
+    fetch(page, "stop", method="POST")
+    assert not page.open
+    page.show()  # does no harm
+
+
+def test_nothing_that_is_not_finite_is_sent(scene):
+    far = scene.add(tandem.Sphere(0.1), position=(1e200, 0, 0))  # no single precision has it
+    scene.add(tandem.Mesh([(0, 0, 0), (1e60, 0, 0), (0, 1e60, 0)], [(0, 1, 2)]), type="static")
+    with tandem.view(scene, open_browser=False) as page:
+        client = Client(page)
+        rows = client.next()
+        assert np.isfinite(list(rows.values())).all()
+        assert rows[far.index][7] == -1
+        for body in client.bodies:
+            shape = client.shape(body[1][0])
+            if shape["kind"] == "mesh":
+                assert shape["vertices"] == shape["triangles"] == ""
+        state = scene.state
+        state[far.index, 0] = np.nan
+        with pytest.raises(ValueError, match="finite"):
+            page.show()
+
+
+def test_close_frees_port_and_threads(scene):
+    before = set(threading.enumerate())
+    page = tandem.view(scene, open_browser=False)
+    port = urllib.parse.urlsplit(page.url).port
+    client = Client(page)
+    client.next()
+    ended = []
+
+    def wait_for_more():
+        try:
+            ended.append(fetch(page, f"frame?after={client.number}"))
+        except OSError as error:
+            ended.append(error)
+
+    waiting = threading.Thread(target=wait_for_more)
+    waiting.start()
+    silent = socket.create_connection(("127.0.0.1", port))
+    page.close()
+    page.close()
+    waiting.join(20)
+    assert not waiting.is_alive() and len(ended) == 1
+    assert not page.open
+    page.show()
+    for thread in set(threading.enumerate()) - before:
+        thread.join(20)
+        assert not thread.is_alive(), thread
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", port))
+    silent.close()
+
+
+def test_a_client_that_never_reads_costs_one_frame(scene):
+    """Nor does one more than there may be harm those that are there."""
+    for i in range(2000):
+        scene.add(tandem.Sphere(0.1), position=(i, 0, 1))
+    with tandem.view(scene, open_browser=False) as page:
+        address = urllib.parse.urlsplit(page.url)
+        request = f"GET {address.path}frame HTTP/1.1\r\nHost: {address.netloc}\r\n\r\n".encode()
+        idle = []
+        for _ in range(3):
+            idle.append(socket.create_connection((address.hostname, address.port)))
+            idle[-1].setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            idle[-1].sendall(200 * request)  # more than the buffers of the system take
+        page.show(pace=False)
+        frame = 2001 * 32
+        tracemalloc.start()
+        before = tracemalloc.get_traced_memory()[0]
+        for _ in range(200):
+            page.show(pace=False)
+        grown = tracemalloc.get_traced_memory()[0] - before
+        tracemalloc.stop()
+        assert grown < 20 * frame  # a tenth of what was shown
+        client = Client(page)
+        assert len(client.next()) == 2001  # others are served all the same
+        for connection in idle:
+            connection.close()
+
+
+def test_connections_are_few(shown):
+    from tandem.view_server import MAX_CONNECTIONS
+
+    _, page = shown
+    address = urllib.parse.urlsplit(page.url)
+    kept = []
+    request = f"GET {address.path} HTTP/1.1\r\nHost: {address.netloc}\r\n\r\n".encode()
+
+    def answered():
+        kept.append(socket.create_connection((address.hostname, address.port), timeout=20))
+        try:
+            kept[-1].sendall(request)
+            return kept[-1].recv(12)
+        except OSError:
+            return b""
+
+    for _ in range(MAX_CONNECTIONS):
+        assert answered() == b"HTTP/1.1 200"
+    assert answered() == b""
+    for connection in kept:
+        connection.close()
+
+
+def test_show_keeps_to_real_time(scene, monkeypatch):
+    from tandem import viewer
+
+    clock = [100.0]
+    slept = []
+
+    def sleep(seconds):
+        slept.append(seconds)
+        clock[0] += seconds
+
+    monkeypatch.setattr(viewer, "time", types.SimpleNamespace(monotonic=lambda: clock[0], sleep=sleep))
+    with viewer.View(scene, open_browser=False) as page:
+        for took in (0.0, 0.25, 0.0):
+            clock[0] += took / 64
+            scene.step(1 / 64)
+            page.show()
+        assert sum(slept) == pytest.approx((3 - 0.25) / 64)  # what the steps took is not waited for twice
+        assert clock[0] == pytest.approx(100 + 3 / 64)
+        clock[0] += 10.0
+        slept.clear()
+        for _ in range(64):
+            scene.step(1 / 64)
+            page.show()
+        # 10 s late after the first one: it catches up with a quarter of a second by the others.
+        assert sum(slept) == pytest.approx(63 / 64 - viewer.LATE)
+        slept.clear()
+        page.show(pace=False)
+        scene.step(1 / 64, steps=640)
+        page.show()
+        assert sum(slept) == pytest.approx(viewer.LEAP)
