@@ -210,7 +210,10 @@ TEST_CASE("character: a jump rises by v^2 / 2g, and no further than the ceiling"
   open.run(0.1, Vec3::Zero());
   double top = 0.0;
   open.hero.jump(4.0);
-  open.run(1.5, Vec3::Zero(), [&] { top = std::max(top, open.at().z() - kHeight); });
+  open.run(1.5, Vec3::Zero(), [&] {
+    top = std::max(top, open.at().z() - kHeight);
+    CHECK(open.hero.ground().valid() == (open.hero.footing() == Footing::Ground));
+  });
   CHECK(top == Approx(4.0 * 4.0 / (2.0 * kG)).epsilon(2e-3));  // seen once in a step
   CHECK(open.hero.footing() == Footing::Ground);
 

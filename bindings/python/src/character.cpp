@@ -56,8 +56,7 @@ const char* footing_name(const CharacterPart& p) {
 }
 
 std::optional<Body> ground_of(const CharacterPart& p) {
-  // One that is on its way up still has the ground that it has left.
-  const BodyId ground = p.character.footing() == Footing::Air ? BodyId{} : p.character.ground();
+  const BodyId ground = p.character.ground();
   if (!ground.valid()) return {};
   return Body{p.core, ground};
 }

@@ -99,6 +99,7 @@ class __attribute__((visibility("hidden"))) Character::Impl {
   Motion motion(BodyId id, double dt) const;
   bool moves(BodyId id, double dt) const;
   void separate();
+  void leave_ground();
   double probe(double reach);
   void meet(double dt, const Vec3& carried);
   void strike(const ClosestHit& hit, double dt, const Vec3& carried);
@@ -178,13 +179,17 @@ void Character::Impl::separate() {
   }
 }
 
+void Character::Impl::leave_ground() {
+  footing = Footing::Air;
+  ground = {};
+  ground_normal = up;
+}
+
 /// What is below, within `reach` (m) of where the padding ends. @return m, how far down it is
 double Character::Impl::probe(double reach) {
   std::optional<CastHit> hit;
   const double down = advance(-reach * up, hit);
-  footing = Footing::Air;
-  ground = {};
-  ground_normal = up;
+  leave_ground();
   if (!hit) return down;
   const Vec3 normal = surface_normal(*hit);
   if (!walkable(normal) && down > def.padding) return down;
@@ -322,7 +327,7 @@ void Character::Impl::settle(bool stands, double dt) {
   if (footing != Footing::Ground) return;
   const Vec3 floor = motion(ground, dt).of(ground_point) / dt;
   if (!stands && (velocity - floor).dot(up) > 1e-3) {  // on its way up
-    footing = Footing::Air;
+    leave_ground();
     return;
   }
   if (stands) position -= down * up;
@@ -337,10 +342,7 @@ void Character::Impl::walk(const Vec3& wanted, double dt) {
   met.clear();
   passed = {};
   separate();
-  if (!world.contains(ground)) {
-    ground = {};
-    footing = Footing::Air;
-  }
+  if (!world.contains(ground)) leave_ground();
   before = velocity;
   const bool stood = footing == Footing::Ground;
   Vec3 carried = Vec3::Zero();
