@@ -11,11 +11,6 @@ namespace tandem::demos {
 
 namespace {
 
-pbd::Vec3 at_most(const pbd::Vec3& way, double length) {
-  const double norm = way.norm();
-  return norm > length ? pbd::Vec3(way * (length / norm)) : way;
-}
-
 /// What each hold of the record holds in this scene.
 std::vector<std::size_t> held_bodies(const HandRecord& record, const Scene& scene,
                                      const std::vector<std::size_t>& holdable, std::size_t user,
@@ -70,19 +65,9 @@ void RecordedHand::close(std::size_t body, const HandRecord::Hold& hold) {
   const Scene& scene = controls_.scene();
   const pbd::Vec3& half = scene.bodies[body].half_extents;
   attachment_l_ = hold.attachment_l.cwiseMax(-half).cwiseMin(half);
-  grabbed_w_ = smooth_w_ = anchor_w_ = scene.pose(body).to_world(attachment_l_);
-  smooth_velocity_.setZero();
+  grabbed_w_ = scene.pose(body).to_world(attachment_l_);
+  hand_ = PointerHand(grabbed_w_);
   closed_ = true;
-}
-
-/// A critically damped spring pulls it to the pointer: its exact motion over a step.
-void RecordedHand::smooth(const pbd::Vec3& wanted_w) {
-  constexpr double kRate = 1.0 / kSmooth;
-  const pbd::Vec3 behind = smooth_w_ - wanted_w;
-  const pbd::Vec3 drift = (smooth_velocity_ + kRate * behind) * controls_.dt();
-  const double left = std::exp(-kRate * controls_.dt());
-  smooth_velocity_ = left * (smooth_velocity_ - kRate * drift);
-  smooth_w_ = wanted_w + left * (behind + drift);
 }
 
 void RecordedHand::follow(const HandRecord::Hold& hold, double time) {
@@ -91,17 +76,15 @@ void RecordedHand::follow(const HandRecord::Hold& hold, double time) {
   pbd::Vec3 wanted = grabbed_w_ + moved.cwiseProduct(scale_);
   wanted.z() = std::max(wanted.z(), std::min(kLowest, grabbed_w_.z()));
   const pbd::Vec3 held = controls_.scene().pose(body).to_world(attachment_l_);
-  smooth(wanted);
-  anchor_w_ += at_most(smooth_w_ - anchor_w_, kFastest * controls_.dt());
-  anchor_w_ = held + at_most(anchor_w_ - held, kReach);
+  hand_.follow(wanted, held, controls_.dt());
   if (spring_) {
-    controls_.move(*spring_, anchor_w_);
+    controls_.move(*spring_, hand_.anchor());
     return;
   }
   const double mass = controls_.scene().mass(body);
   consensus::GrabDef def;
   def.attachment_l = attachment_l_;
-  def.anchor_w = anchor_w_;
+  def.anchor_w = hand_.anchor();
   def.max_force = kStrength * mass;
   def.stiffness = def.max_force / kFullAt;
   def.damping = 2.0 * kDampingRatio * std::sqrt(def.stiffness * mass);

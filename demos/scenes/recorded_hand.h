@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scenes/hand_record.h"
+#include "scenes/pointer_hand.h"
 #include "scenes/scenario.h"
 
 namespace tandem::demos {
@@ -22,9 +23,6 @@ class RecordedHand final : public User {
  public:
   static constexpr double kPatience = 0.5;  ///< s: later than this a hold is left out
   // As the page has it (tools/room/page/hand.js).
-  static constexpr double kSmooth = 0.03;    ///< s, by which a pointer's steps are smoothed
-  static constexpr double kFastest = 2.0;    ///< m/s
-  static constexpr double kReach = 0.1;      ///< m, from the point that it holds
   static constexpr double kLowest = 0.02;    ///< m, above the ground
   static constexpr double kStrength = 40.0;  ///< N/kg
   static constexpr double kFullAt = 0.04;    ///< m, from where on it pulls with all its force
@@ -39,7 +37,6 @@ class RecordedHand final : public User {
  private:
   void close(std::size_t body, const HandRecord::Hold& hold);
   void follow(const HandRecord::Hold& hold, double time);
-  void smooth(const pbd::Vec3& wanted_w);
   void open();
 
   Controls& controls_;
@@ -48,13 +45,11 @@ class RecordedHand final : public User {
   std::vector<std::size_t> bodies_;  ///< of each hold: index into Scene::bodies
   std::size_t next_ = 0;             ///< the hold that is on, or is to come
   bool closed_ = false;
-  std::size_t done_ = 0;                           ///< holds carried through
-  std::optional<std::uint32_t> spring_;            ///< of Controls
-  pbd::Vec3 attachment_l_ = pbd::Vec3::Zero();     ///< m, frame of the body
-  pbd::Vec3 grabbed_w_ = pbd::Vec3::Zero();        ///< m, world: where the hand grabbed
-  pbd::Vec3 smooth_w_ = pbd::Vec3::Zero();         ///< m, world: the pointer without its steps
-  pbd::Vec3 smooth_velocity_ = pbd::Vec3::Zero();  ///< m/s
-  pbd::Vec3 anchor_w_ = pbd::Vec3::Zero();         ///< m, world: where the hand is
+  std::size_t done_ = 0;                        ///< holds carried through
+  std::optional<std::uint32_t> spring_;         ///< of Controls
+  pbd::Vec3 attachment_l_ = pbd::Vec3::Zero();  ///< m, frame of the body
+  pbd::Vec3 grabbed_w_ = pbd::Vec3::Zero();     ///< m, world: where the hand grabbed
+  PointerHand hand_;
 };
 
 }  // namespace tandem::demos

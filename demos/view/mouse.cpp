@@ -6,16 +6,6 @@
 
 namespace tandem::demos::view {
 
-namespace {
-
-/// The vector, or one in its direction that is no longer than `most`.
-pbd::Vec3 shortened(const pbd::Vec3& way, double most) {
-  const double length = way.norm();
-  return length > most ? pbd::Vec3(most / length * way) : way;
-}
-
-}  // namespace
-
 pbd::Vec3 held_at(const Scene& scene, std::size_t body, const pbd::Vec3& point) {
   const pbd::Vec3& half = scene.bodies[body].half_extents;
   return scene.pose(body).to_local(point).cwiseMax(-half).cwiseMin(half);
@@ -34,8 +24,8 @@ void Mouse::grab(PageId page, std::uint32_t id, std::size_t body, const pbd::Vec
   grip.id = id;
   grip.body = body;
   grip.attachment_l = attachment_l;
-  grip.anchor_w = controls_.scene().pose(body).to_world(attachment_l);
-  grip.wanted_w = grip.anchor_w;
+  grip.wanted_w = controls_.scene().pose(body).to_world(attachment_l);
+  grip.hand = PointerHand(grip.wanted_w);
   grips_.push_back(grip);
 }
 
@@ -57,17 +47,15 @@ void Mouse::update(consensus::SessionTime /*now*/) {
       if (grip.spring != 0) controls_.release(grip.spring);
       continue;
     }
-    const pbd::Vec3 way = grip.wanted_w - grip.anchor_w;
-    grip.anchor_w += shortened(way, kFastest * controls_.dt());
     const pbd::Vec3 held_w = controls_.scene().pose(grip.body).to_world(grip.attachment_l);
-    grip.anchor_w = held_w + shortened(grip.anchor_w - held_w, kReach);
+    grip.hand.follow(grip.wanted_w, held_w, controls_.dt());
     if (grip.spring != 0) {
-      controls_.move(grip.spring, grip.anchor_w);
+      controls_.move(grip.spring, grip.hand.anchor());
       continue;
     }
     consensus::GrabDef def = single_spring(controls_.scene().mass(grip.body));
     def.attachment_l = grip.attachment_l;
-    def.anchor_w = grip.anchor_w;
+    def.anchor_w = grip.hand.anchor();
     grip.spring = controls_.grab(grip.body, def);
   }
   std::erase_if(grips_, [](const Grip& grip) { return grip.released; });

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "scenes/pointer_hand.h"
 #include "scenes/user.h"
 #include "view/protocol.h"
 
@@ -16,12 +17,6 @@ namespace tandem::demos::view {
 /// @par Thread safety  One object: the thread of its peer.
 class Mouse final : public User {
  public:
-  static constexpr double kFastest = 2.0;  ///< m/s, of a hand, however far the page's one leaps
-  /// m: a hand is never farther than this from the point that it holds. A spring as stiff as
-  /// single_spring() pulls with all its force from 4 cm on; a hand that is farther ahead would
-  /// pull on after the body has come to where the page wants it.
-  static constexpr double kReach = 0.1;
-
   /// Must outlive it.
   explicit Mouse(Controls& controls) : controls_(controls) {}
 
@@ -42,9 +37,9 @@ class Mouse final : public User {
     std::uint32_t id = 0;
     std::size_t body = 0;
     pbd::Vec3 attachment_l = pbd::Vec3::Zero();  ///< m, frame of the body
-    pbd::Vec3 anchor_w = pbd::Vec3::Zero();      ///< m, where the hand is
-    pbd::Vec3 wanted_w = pbd::Vec3::Zero();      ///< m, where the page wants it
-    std::uint32_t spring = 0;                    ///< of the controls; 0 = not yet
+    PointerHand hand;
+    pbd::Vec3 wanted_w = pbd::Vec3::Zero();  ///< m, where the page wants it
+    std::uint32_t spring = 0;                ///< of the controls; 0 = not yet
     bool released = false;
   };
   Grip* find(PageId page, std::uint32_t id);

@@ -100,7 +100,7 @@ HandRecord recorded(double seconds, const std::string& body, const Vec3& attachm
 // which a step sees its end at once: by twice kSmooth less half a step in the mean, with a variance
 // of 2 kSmooth^2.
 TEST_CASE("recorded hand: it goes where the recorded one went, smoothly", "[demos][analytic]") {
-  constexpr double kSmooth = RecordedHand::kSmooth;
+  constexpr double kSmooth = PointerHand::kSmooth;
   constexpr double kBehind = 2.0 * kSmooth - 0.5 / 64.0;
   const OneBox scenario;
   Bench bench(scenario);

@@ -368,11 +368,11 @@ TEST_CASE("live session: a hand that leaps throws nothing away", "[demos][view][
   while (session.time() < 4.0) {
     session.advance_to(session.time() + 0.01);
     highest = std::max(highest, position(session, 0).z());
-    if (session.time() < 1.3) CHECK(position(session, 0).z() < 0.05 + Mouse::kFastest * 0.3);
+    if (session.time() < 1.3) CHECK(position(session, 0).z() < 0.05 + PointerHand::kFastest * 0.3);
   }
   CHECK(position(session, 0).z() == Approx(0.99).margin(0.01));
   // It comes to rest from kFastest by three times its weight, and gravity helps: v^2 / (2 * 4 g).
-  CHECK(highest < 1.0 + Mouse::kFastest * Mouse::kFastest / (8.0 * 9.81) + 0.02);
+  CHECK(highest < 1.0 + PointerHand::kFastest * PointerHand::kFastest / (8.0 * 9.81) + 0.02);
 }
 
 }  // namespace
