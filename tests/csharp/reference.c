@@ -66,8 +66,10 @@ static void step(tandem_world* world) {
   must(tandem_world_step(world, 1.0 / 60.0, NULL, &error), &error);
 }
 
-/* docs/tutorial.md: a cube falls on the ground and stays there. */
+/* docs/tutorial.md: a cube falls on the ground and stays there, by the same bits as in C++. */
 static void falling(void) {
+  uint64_t of_cpp[TUTORIAL_HASHES];
+  tutorial_of_cpp(of_cpp);
   tandem_world* world = make_world();
   tandem_shape cube;
   add_ground(world);
@@ -75,7 +77,14 @@ static void falling(void) {
   cube.half_extents = (tandem_vec3){0.1, 0.1, 0.1};
   add(world, TANDEM_DYNAMIC, &cube, 250.0, at(0.0, 0.0, 1.0));
   for (int i = 0; i <= 120; ++i) {
-    if (i % 30 == 0) printf("hash falling %" PRIu64 "\n", tandem_world_hash(world));
+    if (i % 30 == 0) {
+      const uint64_t hash = tandem_world_hash(world);
+      printf("hash falling %" PRIu64 "\n", hash);
+      if (hash != of_cpp[i / 30]) {
+        fprintf(stderr, "csharp_reference: step %d has another hash than in C++\n", i);
+        exit(1);
+      }
+    }
     step(world);
   }
   tandem_world_destroy(world);

@@ -3,7 +3,21 @@
 #ifndef TESTS_CSHARP_REFERENCE_H
 #define TESTS_CSHARP_REFERENCE_H
 
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Made by layout.py. */
 void print_layout(void);
+
+/* Those of the tutorial's first program in C++, every half second. */
+enum { TUTORIAL_HASHES = 5 };
+void tutorial_of_cpp(uint64_t hashes[TUTORIAL_HASHES]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

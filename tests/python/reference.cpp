@@ -3,10 +3,10 @@
 //
 // What the Python package is compared with: the scenes of scenes.py in C++.
 //   python_reference hash STEPS              that of ten_bodies() after so many steps
-//   python_reference crowd STEPS             that of Crowd likewise
-//   python_reference file PATH STEPS         that of a file likewise, then the names of its bodies
-//   python_reference loop KIND WORLDS        for each line on standard input, a number of steps:
-//   make
+//   python_reference tutorial                those of the tutorial's first program, every half
+//   second python_reference crowd STEPS             that of Crowd likewise python_reference file
+//   PATH STEPS         that of a file likewise, then the names of its bodies python_reference loop
+//   KIND WORLDS        for each line on standard input, a number of steps: make
 //                                            them in all worlds and print the CPU time, s
 #include <cstdio>
 #include <cstdlib>
@@ -43,6 +43,17 @@ Scene ten_bodies(int number, const std::string& kind) {
 
 void print_hash(const Scene& scene) {
   std::printf("%llu\n", static_cast<unsigned long long>(scene.world().hash()));
+}
+
+/// docs/tutorial.md: falling.cpp, with hashes in place of heights.
+void tutorial() {
+  Scene scene;
+  scene.add(HalfSpace{}, {.type = BodyType::Static});
+  scene.add(Box{0.1, 0.1, 0.1}, {.density = 250.0, .pose = {.position = {0.0, 0.0, 1.0}}});
+  for (int i = 0; i <= 120; ++i) {
+    if (i % 30 == 0) print_hash(scene);
+    scene.step(1.0 / 60.0);
+  }
 }
 
 /// Somebody who walks, a car, a crate on a rope, a flag on a pole and somebody who falls.
@@ -90,6 +101,10 @@ int main(int argc, char** argv) {
     Scene scene = ten_bodies(0, "boxes");
     for (int i = std::stoi(arguments[1]); i > 0; --i) scene.step(1.0 / 60.0);
     print_hash(scene);
+    return 0;
+  }
+  if (arguments.size() == 1 && arguments[0] == "tutorial") {
+    tutorial();
     return 0;
   }
   if (arguments.size() == 2 && arguments[0] == "crowd") {

@@ -40,6 +40,20 @@ def test_the_bits_are_those_of_cpp():
         assert scene.hash() == int(said.stdout)
 
 
+def test_the_tutorial_has_the_bits_of_cpp():
+    scene = tandem.Scene()
+    scene.add(tandem.HalfSpace(), type="static")
+    scene.add(tandem.Box(0.1, 0.1, 0.1), density=250.0, position=(0, 0, 1))
+    hashes = []
+    for i in range(121):
+        if i % 30 == 0:
+            hashes.append(scene.hash())
+        scene.step(1 / 60)
+    said = subprocess.run([os.environ["TANDEM_REFERENCE"], "tutorial"], capture_output=True, check=True, text=True)
+    assert len(set(hashes)) > 2
+    assert hashes == [int(line) for line in said.stdout.split()]
+
+
 def test_a_restored_scene_goes_on_with_the_same_bits():
     scene = ten_bodies()
     scene.step(1 / 60, 40)
