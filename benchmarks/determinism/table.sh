@@ -4,18 +4,21 @@
 #
 # Builds the program `determinism` with g++, with clang and, where it was built before (preset web), for
 # WebAssembly, runs all of them and prints the table of docs/determinism.md. Exits with 1 where two hashes differ.
-#   benchmarks/determinism/table.sh [--cross] [what determinism takes: scenes, --steps N]
+#   benchmarks/determinism/table.sh [--quick|--cross] [what determinism takes: scenes, --steps N]
+# --quick: without clang
 # --cross: for libc++, ARM and Windows as well, the latter on emulators (cross.sh), ten minutes more
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 cross=false
-if [[ ${1-} == --cross ]]; then
-  cross=true
-  shift
-fi
+compilers=(g++ clang++)
+case ${1-} in
+  --cross) cross=true ;;
+  --quick) compilers=(g++) ;;
+esac
+[[ ${1-} != --cross && ${1-} != --quick ]] || shift
 
-for compiler in g++ clang++; do
+for compiler in "${compilers[@]}"; do
   cmake --preset release -B "build/determinism_$compiler" -DCMAKE_CXX_COMPILER=$compiler \
     -DTANDEM_BUILD_TESTS=OFF -DTANDEM_BUILD_DEMOS=OFF -DTANDEM_BUILD_PYTHON=OFF >/dev/null
   cmake --build "build/determinism_$compiler" --target determinism >/dev/null
@@ -27,8 +30,11 @@ gcc=build/determinism_g++/bin/determinism
 clang=build/determinism_clang++/bin/determinism
 "$gcc" --lanes 2 "$@" >"$results/1"
 "$gcc" --lanes 4 "$@" >"$results/2"
-"$clang" "$@" >"$results/3"
-names="g++, SSE2|g++, AVX2|clang"
+names="g++, SSE2|g++, AVX2"
+if [[ ${compilers[*]} == *clang++ ]]; then
+  "$clang" "$@" >"$results/3"
+  names+="|clang"
+fi
 if [[ -f build/web/bin/determinism.js ]]; then
   NODE_PATH=/usr/share/nodejs cmake --build build/web --target determinism >/dev/null
   node build/web/bin/determinism.js "$@" >"$results/4"
