@@ -49,7 +49,7 @@ if [[ $platform == windows ]]; then
   # Programs that are the first in a new prefix at once get in each other's way: one server is there before them all.
   export WINEPREFIX=$PWD/build/wine WINEDEBUG=-all
   mkdir -p "$WINEPREFIX"
-  wineserver -p
+  wineserver -p60 </dev/null >/dev/null 2>&1  # ends by itself where this is killed
   trap 'wineserver -k || true' EXIT
   wine wineboot --init </dev/null >build/wine.log 2>&1
 fi

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kMaxBytes = 8u << 20;
 constexpr std::size_t kMaxName = 64;
+constexpr std::size_t kMaxHolds = 4096;
 
 /// One line of a record, word by word.
 class RecordLine {
@@ -130,6 +131,7 @@ class RecordReader {
           kind);
     }
     if (grab) {
+      if (record_.holds.size() == kMaxHolds) in.refuse("kind", "at most 4096 times grab", kind);
       HandRecord::Hold& hold = record_.holds.emplace_back();
       hold.body = in.name("body");
       hold.attachment_l = in.point("attachment");
@@ -182,8 +184,9 @@ HandRecord hand_record_from_text(std::string_view text, std::string_view file) {
   std::size_t number = 1;
   for (std::size_t begin = 0; begin < text.size(); ++number) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string_view line = text.substr(begin, end - begin);
+    std::string_view line = text.substr(begin, end - begin);
     begin = end + 1;
+    if (line.ends_with('\r')) line.remove_suffix(1);  // as other systems write lines
     if (line.empty() || line.front() == '#') continue;
     RecordLine in(file, number, line);
     reader.take(in);

@@ -43,6 +43,8 @@ TEST_CASE("hand record: what is written is read", "[demos][unit]") {
   CHECK(record.holds[1].body == "ball/0");
   CHECK(record.holds[1].way.size() == 1);
   CHECK(hand_record_from_text(kHead + "0 end", "mine.txt").holds.empty());
+  CHECK(hand_record_from_text("tandem-hand 1\r\nroom a\r\nrate 60\r\n0 end\r\n", "mine.txt").room ==
+        "a");
 }
 
 TEST_CASE("hand record: each bad thing is refused by file, line, field and value",
@@ -87,6 +89,14 @@ TEST_CASE("hand record: each bad thing is refused by file, line, field and value
     CHECK(told.find("mine.txt") == 0);
     for (const std::string& piece : bad.told) CHECK(told.find(piece) != std::string::npos);
   }
+}
+
+TEST_CASE("hand record: more holds than a scene could tell apart are refused", "[demos][fault]") {
+  std::string text = kHead;
+  for (int i = 0; i < 4096; ++i) text += "1 grab a 0 0 0 0 0 0\n1 let\n";
+  CHECK(hand_record_from_text(text + "1 end\n", "mine.txt").holds.size() == 4096);
+  CHECK_THROWS_WITH(hand_record_from_text(text + "1 grab a 0 0 0 0 0 0\n", "mine.txt"),
+                    Catch::Contains("at most 4096"));
 }
 
 TEST_CASE("hand record: more than its rate or its longest allow is refused", "[demos][fault]") {

@@ -151,6 +151,20 @@ def test_events_come_once_in_order_with_their_time():
     assert heard == [(1, "count", payload) for payload in sent]
 
 
+def test_an_event_stays_as_it_was():
+    network = tandem.VirtualNetwork()
+    one, two = Site(network, 1), Site(network, 2)
+    advance(network, one, two, steps=30)
+    topic = "a topic that is too long to lie within a string itself"
+    kept = []
+    for i in range(40):
+        if i < 20:
+            one.session.send(topic, bytes([i]))
+        advance(network, one, two)
+        kept += two.session.events
+    assert [(e.topic, e.payload) for e in kept] == [(topic, bytes([i])) for i in range(20)]
+
+
 def test_an_owner_is_followed_and_a_body_can_be_shared_no_longer():
     network = tandem.VirtualNetwork()
     sites = [Site(network, i) for i in (1, 2)]

@@ -170,6 +170,13 @@ def test_wrong_functions_are_refused():
     network = tandem.VirtualNetwork()
     with pytest.raises(TypeError, match="make.*3"):
         tandem.Session(tandem.Scene(), network, 1, make=3)
+    session = tandem.Session(tandem.Scene(), tandem.VirtualNetwork(), 1, make=lambda what: 5)
+    with pytest.raises(TypeError, match="on_join.*5"):
+        session.on_join(5)
+    with pytest.raises(TypeError, match="on_leave.*5"):
+        session.on_leave(5)
+    with pytest.raises(TypeError, match="what make returns must be a Body or None, is 5"):
+        session.spawn(b"cup", (0, 0, 1))
     with pytest.raises(ValueError, match="remove must be None"):
         tandem.Session(tandem.Scene(), network, 1, remove=print)
     with pytest.raises(ValueError, match="max_bodies"):

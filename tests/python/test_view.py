@@ -5,8 +5,11 @@
 import base64
 import http.client
 import json
+import os
 import socket
 import struct
+import subprocess
+import sys
 import threading
 import tracemalloc
 import types
@@ -368,3 +371,38 @@ def test_show_keeps_to_real_time(scene, monkeypatch):
         scene.step(1 / 64, steps=640)
         page.show()
         assert sum(slept) == pytest.approx(viewer.LEAP)
+
+
+def test_what_is_no_scene_is_refused():
+    for wrong in (None, 5, [], tandem.Batch([tandem.Scene()])):
+        with pytest.raises(ValueError, match="scene must be a Scene, is a " + type(wrong).__name__):
+            tandem.view(wrong, open_browser=False)
+
+
+def test_a_page_that_is_closed_at_the_interpreters_end_does_not_hold_it():
+    program = """
+import tandem
+
+def frames(scene):
+    with tandem.view(scene, open_browser=False) as page:
+        while page.open:
+            page.show()
+            yield
+
+running = frames(tandem.Scene())
+next(running)
+print("over")
+"""
+    said = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True, text=True, timeout=60)
+    assert said.stdout.endswith("over\n")
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_a_fork_that_closes_it_ends(scene):
+    with tandem.view(scene, open_browser=False) as page:
+        child = os.fork()
+        if child == 0:
+            page.close()
+            os._exit(0)
+        assert os.waitpid(child, 0)[1] == 0
+        assert page.open

@@ -45,13 +45,16 @@ SessionOptions session_options(const py::kwargs& given) {
   return options;
 }
 
-py::object function_of(const py::kwargs& given, const char* name) {
-  py::object function = given.contains(name) ? py::object(given[name]) : py::none();
+py::object as_function(py::object function, const char* name) {
   if (!function.is_none() && PyCallable_Check(function.ptr()) == 0) {
     throw py::type_error(std::string(name) +
                          " is of the wrong type: " + std::string(py::repr(function)));
   }
   return function;
+}
+
+py::object function_of(const py::kwargs& given, const char* name) {
+  return as_function(given.contains(name) ? py::object(given[name]) : py::none(), name);
 }
 
 }  // namespace
@@ -129,7 +132,7 @@ void Participant::run(const py::object& before_step, std::optional<double> secon
 
 void Participant::on_join(const py::object& joined) {
   tandem::Session& session = this->session();
-  joined_ = joined;
+  joined_ = as_function(joined, "on_join");
   session.on_join([this](PeerId who) {
     call([&] {
       // A copy: it may set another one.
@@ -140,7 +143,7 @@ void Participant::on_join(const py::object& joined) {
 
 void Participant::on_leave(const py::object& left) {
   tandem::Session& session = this->session();
-  left_ = left;
+  left_ = as_function(left, "on_leave");
   session.on_leave([this](PeerId who) {
     call([&] {
       if (const py::object function = left_; !function.is_none()) function(who);
@@ -199,7 +202,12 @@ BodyId Participant::make(std::string_view what) {
   call([&] {
     try {
       const py::object body = make_(py::bytes(what.data(), what.size()));
-      if (!body.is_none()) made = id_in(*core_, body.cast<Body>(), "Session: what make returns");
+      if (body.is_none()) return;
+      if (!py::isinstance<Body>(body)) {
+        throw py::type_error("Session: what make returns must be a Body or None, is " +
+                             std::string(py::repr(body)));
+      }
+      made = id_in(*core_, body.cast<Body>(), "Session: what make returns");
     } catch (py::error_already_set& error) {
       // There is no such thing: it is another member's fault, or the one's who calls spawn().
       if (!error.matches(PyExc_ValueError)) throw;

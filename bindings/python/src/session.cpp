@@ -294,8 +294,10 @@ before_step(now) is called before each of them: to move hands, push and read eve
            R"(Send a message of the application, which comes once and in order.
 
 to: a peer, 0 = all that are there. It leaves with the next step. Returns to how many.)")
-      .def_property_readonly("events", &Participant::events,
-                             "what has come in the last advance(), or so far within before_step")
+      // Copies: the next advance() has others in their place.
+      .def_property_readonly(
+          "events", [](const Participant& of) { return std::vector(of.events()); },
+          "what has come in the last advance(), or so far within before_step")
       .def_property_readonly("now", &Participant::now, "session time, ns")
       .def_property_readonly("port", &Participant::port, "where it listens; 0: nowhere")
       .def_property_readonly(

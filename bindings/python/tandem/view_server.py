@@ -8,10 +8,12 @@ frames and nothing is kept for it.
 
 from __future__ import annotations
 
+import os
 import pathlib
 import secrets
 import socket
 import struct
+import sys
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -67,6 +69,7 @@ class Server(ThreadingHTTPServer):
     def __init__(self, on_stop: Callable[[], None]) -> None:
         self.token = secrets.token_urlsafe(24)
         self.on_stop = on_stop
+        self._process = os.getpid()
         self.page = {path: (FOLDER.joinpath(name).read_bytes(), kind) for path, (name, kind) in PAGE.items()}
         self.frame = Frame()
         self.closing = False
@@ -91,7 +94,12 @@ class Server(ThreadingHTTPServer):
             return self.frame if self.frame.number > number and not self.closing else None
 
     def close(self) -> None:
-        """The port is free and all threads have ended when it returns."""
+        """The port is free and all threads have ended when it returns; but where they run no more it does nothing.
+
+        That is at the interpreter's end, and in a process that was forked from the one that made it.
+        """
+        if sys.is_finalizing() or os.getpid() != self._process:
+            return
         with self.news:
             self.closing = True
             self.news.notify_all()

@@ -78,6 +78,8 @@ class View:
     def __init__(self, scene: Scene, *, open_browser: bool = True) -> None:
         from .view_server import Server  # http.server takes a while, and few want it
 
+        if not isinstance(scene, _tandem.Scene):
+            raise ValueError(f"tandem.view: scene must be a Scene, is a {type(scene).__name__}")
         self._scene = scene
         self._open = True
         self._number = 0

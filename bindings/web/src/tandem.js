@@ -108,9 +108,10 @@ const system = {get: (_, name) => {
 
 /** Node has no fetch for files. Bundlers for pages are not to look for its module. */
 async function load(url) {
-  if (new URL(url, import.meta.url).protocol !== 'file:' || !globalThis.process?.versions?.node) return fetch(url);
+  const place = new URL(url, import.meta.url);
+  if (place.protocol !== 'file:' || !globalThis.process?.versions?.node) return fetch(url);
   const files = 'node:fs/promises';
-  return (await import(/* @vite-ignore */ files)).readFile(new URL(url));
+  return (await import(/* @vite-ignore */ files)).readFile(place);
 }
 
 /**

@@ -11,8 +11,8 @@ const TELL_MS = 500;
 // To 0.1 ms, and 0.1 mm.
 const short = (value) => String(Number(value.toFixed(4)));
 const point = (values) => values.map(short).join(' ');
-// Names of what members made tell whose they are.
-const nameOf = (name) => (name.startsWith('made/') ? 'made' : name);
+// Names of what members made tell whose they are. Words of printable characters, as the format has it.
+const nameOf = (name) => (name.startsWith('made/') ? 'made' : name.replace(/[^!-~]/g, '_').slice(0, 64));
 
 export class Recorder {
   #lines = [];

@@ -145,6 +145,7 @@ export class Session {
   leave() {
     if (this.away) return;
     this.letGoOfAll();
+    this.onHand(this.time, null);
     this.#peer.leave(this.now > 0n ? this.now : 1n);
     this.away = true;
     this.members.sayAll({away: true});
@@ -166,6 +167,7 @@ export class Session {
   /** As a newcomer. */
   #join() {
     this.holding.clear();
+    this.onHand(this.time, null);
     this.#peer?.free();
     this.#transport.take();
     this.world.forget();
