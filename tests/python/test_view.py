@@ -406,3 +406,17 @@ def test_a_fork_that_closes_it_ends(scene):
             os._exit(0)
         assert os.waitpid(child, 0)[1] == 0
         assert page.open
+
+
+def test_without_a_display_no_browser_is_opened(scene, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr("sys.platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    tandem.view(scene).close()
+    assert opened == []
+    monkeypatch.setenv("WAYLAND_DISPLAY", "wayland-0")
+    page = tandem.view(scene)
+    page.close()
+    assert opened == [page.url]

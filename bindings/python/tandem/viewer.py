@@ -7,6 +7,8 @@ from __future__ import annotations
 import base64
 import json
 import math
+import os
+import sys
 import time
 import webbrowser
 from types import TracebackType
@@ -23,6 +25,11 @@ LATE = 0.25  # s, of what the scene is behind real time, that it catches up with
 LEAP = 1.0  # s, that show() waits at most
 
 BodyKey = tuple[int, int]  # index and generation
+
+
+def _has_display() -> bool:
+    """Without one, browsers of a terminal would be opened, and waited for."""
+    return sys.platform != "linux" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
 def _packed(array: NDArray[Any], kind: str) -> str:
@@ -97,7 +104,7 @@ class View:
         try:
             self.show(pace=False)
             print(f"tandem.view: {self.url}", flush=True)
-            if open_browser:
+            if open_browser and _has_display():
                 webbrowser.open(self.url)
         except BaseException:
             self.close()
