@@ -39,7 +39,7 @@ std::shared_ptr<nats::NatsHub> connect(const PlazaOptions& options) {
   if (options.direct > 0) {
     hub.direct.emplace();
     // Who is on a server of this machine is on this machine.
-    if (hub.servers.front().host == "127.0.0.1") hub.direct->address = "127.0.0.1";
+    if (hub.servers.front().host == "127.0.0.1") hub.direct->listen_address = "127.0.0.1";
   }
   auto out = std::make_shared<nats::NatsHub>(hub);
   const auto end = std::chrono::steady_clock::now() + kServerPatience;
