@@ -75,6 +75,8 @@ test('the button keeps a drag, and the demos read its file', {timeout: 120000}, 
     await page.mouse.down();
     await until(() => ask(page, 'session.hand?.held.name'), 'a hand');
     const from = await ask(page, 'session.hand.wanted');
+    const begun = await ask(page, 'session.steps');
+    await until(() => ask(page, `session.steps > ${begun} + 1`), 'a step that grabs');
     for (let i = 1; i <= 8; ++i) await page.mouse.move(x + 6 * i, y - 12 * i);
     // The last of them has come, and steps have been made with it.
     const to = await until(() => ask(page, `session.hand.wanted[2] > ${from[2]} + 0.1 && session.hand.wanted`), 'a move');

@@ -23,5 +23,12 @@ source "$here/../view/needs.sh"
 [[ -f $TANDEM_ROOM_PAGE/index.html.gz ]] || skip "no page in $TANDEM_ROOM_PAGE (preset web, tandem_room_page)"
 # The browser's driver is that of the live view's tests.
 npm_modules "$here/../view"
-exec node --test --test-concurrency=1 "$@" "$here/qr_test.mjs" "$here/parts_test.mjs" "$here/recorder_test.mjs" \
-  "$here/room_test.mjs" "$here/xr_test.mjs" "$here/systems_test.mjs"
+# Browsers and peers in wall time: where the machine stalls there is a second try for a file.
+status=0
+for name in qr parts recorder room xr systems; do
+  for try in 1 2; do
+    node --test --test-concurrency=1 "$@" "$here/${name}_test.mjs" && break
+    [[ $try -eq 1 ]] || status=1
+  done
+done
+exit $status
