@@ -5,10 +5,6 @@
 set(CMAKE_C_COMPILER clang-19)
 set(CMAKE_CXX_COMPILER clang++-19)
 set(CMAKE_CXX_FLAGS_INIT -stdlib=libc++)
-set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
-set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
-set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+include("${CMAKE_CURRENT_LIST_DIR}/sysroot.cmake")
+# The machine's own packages are of the other standard library.
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
-if(TANDEM_SYSROOT)
-  set(ENV{PKG_CONFIG_LIBDIR} "${TANDEM_SYSROOT}/lib/pkgconfig")
-endif()
