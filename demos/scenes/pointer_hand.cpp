@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "scenes/pointer_hand.h"
 
-#include <cmath>
+#include "tandem/pbd/portable.h"
 
 namespace tandem::demos {
 
@@ -20,7 +20,7 @@ void PointerHand::follow(const pbd::Vec3& wanted, const pbd::Vec3& held, double 
   constexpr double kRate = 1.0 / kSmooth;
   const pbd::Vec3 behind = smooth_ - wanted;
   const pbd::Vec3 drift = (velocity_ + kRate * behind) * dt;
-  const double left = std::exp(-kRate * dt);
+  const double left = pbd::portable::exp(-kRate * dt);
   velocity_ = left * (velocity_ - kRate * drift);
   smooth_ = wanted + left * (behind + drift);
   anchor_ += at_most(smooth_ - anchor_, kFastest * dt);
