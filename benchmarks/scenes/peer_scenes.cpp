@@ -102,6 +102,33 @@ void build_pyramid(Scene& scene) {
   }
 }
 
+/// Rows of cubes of 1 m, each half a cube in from the one below, the cubes of a row side by side.
+void add_pyramid(Scene& scene, int base, double x, double y) {
+  for (int row = 0; row < base; ++row) {
+    const int count = base - row;
+    for (int i = 0; i < count; ++i) {
+      scene.add(cube(1.0), 1000.0, place(x + i - 0.5 * (count - 1), y, 0.5 + row));
+    }
+  }
+}
+
+void build_large_pyramid(Scene& scene) {
+  scene.seconds = 200.0 / 60.0;
+  add_ground(scene);
+  add_pyramid(scene, 100, 0.0, 0.0);
+}
+
+void build_many_pyramids(Scene& scene) {
+  constexpr int kSide = 14;
+  scene.seconds = 1.0;
+  add_ground(scene);
+  for (int j = 0; j < kSide; ++j) {
+    for (int i = 0; i < kSide; ++i) {
+      add_pyramid(scene, 10, 12.0 * (i - 0.5 * kSide), 4.0 * (j - 0.5 * kSide));
+    }
+  }
+}
+
 }  // namespace
 
 double cliff_height(double x, double y) { return demos::cliff_height(x, y); }
@@ -111,14 +138,24 @@ Scene peer_scene(std::string_view name) {
   constexpr std::array<Build, kPeerScenes.size()> kBuilds{
       build_cliff, build_stacks, build_katamari, build_chain,
       build_heap,  build_ratio,  build_pyramid};
-  for (std::size_t i = 0; i < kPeerScenes.size(); ++i) {
-    if (kPeerScenes[i] != name) continue;
+  constexpr std::array<Build, kLargeScenes.size()> kLargeBuilds{build_large_pyramid,
+                                                                build_many_pyramids};
+  const auto built = [&](Build build) {
     Scene scene;
     scene.name = name;
-    kBuilds[i](scene);
+    build(scene);
     return scene;
+  };
+  for (std::size_t i = 0; i < kPeerScenes.size(); ++i) {
+    if (kPeerScenes[i] == name) return built(kBuilds[i]);
   }
-  pbd::detail::refuse("scene", "cliff, stacks, katamari, chain, heap, ratio or pyramid", name);
+  for (std::size_t i = 0; i < kLargeScenes.size(); ++i) {
+    if (kLargeScenes[i] == name) return built(kLargeBuilds[i]);
+  }
+  pbd::detail::refuse("scene",
+                      "cliff, stacks, katamari, chain, heap, ratio, pyramid, large_pyramid or "
+                      "many_pyramids",
+                      name);
 }
 
 }  // namespace tandem::bench

@@ -17,6 +17,8 @@ constexpr double kMarginShare = 0.06;
 constexpr double kAhead = 3.0;
 /// Boxes that one worker looks up at a time.
 constexpr std::size_t kGrain = 32;
+/// The same, where most of them have not moved.
+constexpr std::size_t kLookGrain = 256;
 /// Place in a list that ascends; its size where `index` is not in it.
 std::size_t place_of(const std::vector<std::uint32_t>& list, std::uint32_t index) {
   const auto at = std::lower_bound(list.begin(), list.end(), index);
@@ -118,14 +120,29 @@ ColliderPair& BroadPhase::append_pair(std::uint32_t low, std::uint32_t high) {
   return pairs_.back();
 }
 
-bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
-  const double margin = std::min(kAabbMargin, kMarginShare * c.size);
-  const Vec3 ahead = (kAhead * c.motion().span) * c.motion().twist.linear;
-  if (placed(index) && fat(index).contains(c.needed)) {
-    const Vec3 slack = (fat(index).max - fat(index).min) - (c.needed.max - c.needed.min);
-    if (slack.maxCoeff() <= kShrink * margin + 2.0 * ahead.cwiseAbs().maxCoeff()) return false;
-  }
-  const Aabb box = c.needed.expanded(margin);
+namespace {
+
+double margin_of(const Collider& c) { return std::min(kAabbMargin, kMarginShare * c.size); }
+/// m, room for the steps to come.
+Vec3 ahead_of(const Collider& c) { return (kAhead * c.motion().span) * c.motion().twist.linear; }
+
+}  // namespace
+
+bool BroadPhase::fits(std::uint32_t index, const Collider& c) const {
+  if (!placed(index) || !fat(index).contains(c.needed)) return false;
+  const Vec3 slack = (fat(index).max - fat(index).min) - (c.needed.max - c.needed.min);
+  return slack.maxCoeff() <= kShrink * margin_of(c) + 2.0 * ahead_of(c).cwiseAbs().maxCoeff();
+}
+
+bool BroadPhase::is_as_it_was(std::uint32_t index, const Collider& c) const {
+  if (!c.alive) return true;
+  if (!c.finite || c.is_half_space()) return false;
+  return placed(index) && placed_fixed(index) != c.active() && (c.still || fits(index, c));
+}
+
+void BroadPhase::refit(std::uint32_t index, const Collider& c) {
+  const Vec3 ahead = ahead_of(c);
+  const Aabb box = c.needed.expanded(margin_of(c));
   const Aabb fat{box.min + ahead.cwiseMin(0.0), box.max + ahead.cwiseMax(0.0)};
   if (placed(index) || c.active()) {
     place(index, fat, !c.active());
@@ -133,7 +150,6 @@ bool BroadPhase::refit(std::uint32_t index, const Collider& c) {
     unlinked_.push_back(fixed_tree_.prepare(fat, index));
     leaves_[index] = unlinked_.back() | kFixed;
   }
-  return true;
 }
 
 bool BroadPhase::in_reach(const Collider& plane, const Aabb& fat, double dt) const {
@@ -176,9 +192,16 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
   };
   bool plane_moves = false;
   bool all_finite = true;
-  for (const std::uint32_t i : watched) {
+  stays_.resize(watched.size());
+  workers.for_chunks(watched.size(), kLookGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) {
+      stays_[k] = is_as_it_was(watched[k], colliders[watched[k]]) ? 1 : 0;
+    }
+  });
+  for (std::size_t k = 0; k < watched.size(); ++k) {
+    if (stays_[k] != 0) continue;
+    const std::uint32_t i = watched[k];
     const Collider& c = colliders[i];
-    if (!c.alive) continue;
     if (placed(i) && placed_fixed(i) == c.active()) look_again(i);  // its body's type has changed
     if (!c.finite) {  // out of the tree, so that it is found anew when it is back among numbers
       all_finite = false;
@@ -193,7 +216,8 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
                          c.motion().twist.angular.isZero(0.0);
       plane_moves = plane_moves || !still;
       remember_plane(i, plane);
-    } else if (!(c.still && placed(i)) && refit(i, c)) {
+    } else {
+      refit(i, c);
       moved_.push_back(i);
       flag(i);
     }

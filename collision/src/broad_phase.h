@@ -116,7 +116,11 @@ class BroadPhase {
   bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
-  bool refit(std::uint32_t index, const Collider& collider);
+  /// Whether its place in a tree is good for where it is and goes.
+  bool fits(std::uint32_t index, const Collider& collider) const;
+  /// Whether update() has nothing to do with it.
+  bool is_as_it_was(std::uint32_t index, const Collider& collider) const;
+  void refit(std::uint32_t index, const Collider& collider);
   void index_pairs();
   bool known(std::uint32_t low, std::uint32_t high) const;
   void find(const std::vector<Collider>& colliders, double dt, pbd::Workers& workers);
@@ -133,6 +137,7 @@ class BroadPhase {
   bool any_dropped_ = false;
   std::vector<ColliderPair> found_;
   std::vector<std::uint32_t> moved_;
+  std::vector<std::uint8_t> stays_;        ///< by watched collider, scratch of update()
   std::vector<std::uint32_t> unlinked_;    ///< leaves of fixed_tree_ that update() has prepared
   std::vector<std::uint8_t> has_moved_;    ///< by collider; 0 between two updates
   std::vector<std::uint32_t> flagged_;     ///< where that is set

@@ -136,18 +136,28 @@ void PairContacts::collect_pairs(const Step& step, std::size_t begin, std::size_
   }
 }
 
-void PairContacts::join_chunks(std::vector<pbd::Manifold>& out) {
-  for (const Chunk& chunk : chunks_) {
+void PairContacts::join_chunks(pbd::Workers& workers, std::vector<pbd::Manifold>& out) {
+  std::size_t size = out.size();
+  for (Chunk& chunk : chunks_) {
     const Worker& worker = workers_[static_cast<std::size_t>(chunk.worker)];
-    const auto from = worker.found.begin();
     // Modulo 2^32: a chunk may have been found later than it comes in the order.
-    const auto shift = static_cast<std::uint32_t>(out.size() - chunk.begin);
+    const auto shift = static_cast<std::uint32_t>(size - chunk.begin);
     seams_.add(
         std::span(worker.fixed).subspan(chunk.fixed_begin, chunk.fixed_end - chunk.fixed_begin),
         shift);
-    out.insert(out.end(), from + static_cast<std::ptrdiff_t>(chunk.begin),
-               from + static_cast<std::ptrdiff_t>(chunk.end));
+    chunk.to = size;
+    size += chunk.end - chunk.begin;
   }
+  out.resize(size);
+  workers.for_chunks(chunks_.size(), 1, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t c = begin; c < end; ++c) {
+      const Chunk& chunk = chunks_[c];
+      const auto from = workers_[static_cast<std::size_t>(chunk.worker)].found.begin();
+      std::copy(from + static_cast<std::ptrdiff_t>(chunk.begin),
+                from + static_cast<std::ptrdiff_t>(chunk.end),
+                out.begin() + static_cast<std::ptrdiff_t>(chunk.to));
+    }
+  });
 }
 
 void PairContacts::collect(std::span<const Collider> colliders, std::span<ColliderPair> pairs,
@@ -170,12 +180,12 @@ void PairContacts::collect(std::span<const Collider> colliders, std::span<Collid
     workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
       Worker& worker = workers_[static_cast<std::size_t>(w)];
       Chunk& chunk = chunks_[begin / kPairGrain];
-      chunk = {w, worker.found.size(), 0, worker.fixed.size(), 0};
+      chunk = {w, worker.found.size(), 0, worker.fixed.size(), 0, 0};
       collect_pairs(step, begin, end, worker, worker.found);
       chunk.end = worker.found.size();
       chunk.fixed_end = worker.fixed.size();
     });
-    join_chunks(out);
+    join_chunks(workers, out);
   }
   seams_.drop_covered(colliders, workers, out);
   // Another place is covered when the part has gone on: what is kept of an edge from before the

@@ -54,6 +54,7 @@ class PairContacts {
     std::size_t end = 0;
     std::size_t fixed_begin = 0;
     std::size_t fixed_end = 0;
+    std::size_t to = 0;  ///< in what is put together
   };
   /// What a step is about.
   struct Step {
@@ -68,7 +69,7 @@ class PairContacts {
                     std::vector<pbd::Manifold>& out);
   void collect_pairs(const Step& step, std::size_t begin, std::size_t end, Worker& worker,
                      std::vector<pbd::Manifold>& out);
-  void join_chunks(std::vector<pbd::Manifold>& out);
+  void join_chunks(pbd::Workers& workers, std::vector<pbd::Manifold>& out);
 
   PatchPool pool_;
   std::vector<PairCache> caches_;  ///< by slot

@@ -3,6 +3,7 @@
 #include "body_buffer.h"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 #include <utility>
 
@@ -12,9 +13,6 @@
 
 namespace tandem::pbd {
 namespace {
-
-/// Bodies given to a worker at a time.
-constexpr std::size_t kBodyGrain = 256;
 
 bool is_finite(const SolverBody& body) {
   return body.x.allFinite() && body.q.coeffs().allFinite() && body.v.allFinite() &&
@@ -101,9 +99,7 @@ void BodyBuffer::load(World& world, Workers& workers) {
   if (!world.body_log_.read(seen_, renew)) {
     for (std::uint32_t i = 0; i < count; ++i) renew(i);
   }
-  workers.for_chunks(movers_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) load_one(world, movers_[k]);
-  });
+  for_movers(workers, [&](std::uint32_t i, SolverBody&) { load_one(world, i); });
   for (const std::uint32_t i : movers_) {
     if (world.props_[i].type == BodyType::Kinematic) kinematic_.push_back(i);
   }
@@ -158,12 +154,9 @@ int BodyBuffer::prepare(const World& world, std::span<const ConstraintEdge> edge
     }
   }
   if (!all_turn) mark_turned(world, edges);
-  workers.for_chunks(movers_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t i = movers_[k];
-      const bool solved = bodies_[i].group != SolverBody::kNoGroup && bodies_[i].turns;
-      if (solved) refresh_inertia(bodies_[i], world.props_[i]);
-    }
+  for_movers(workers, [&](std::uint32_t i, SolverBody& body) {
+    const bool solved = body.group != SolverBody::kNoGroup && body.turns;
+    if (solved) refresh_inertia(body, world.props_[i]);
   });
   int count = 0;
   for (const Group& group : groups) {
@@ -194,16 +187,17 @@ void BodyBuffer::mark_turned(const World& world, std::span<const ConstraintEdge>
     if (edge.body_b != BodyId::kNone) bodies_[edge.body_b].turns = true;
   }
   if (world.contacts_ == nullptr) return;
-  for (const Contact& contact : world.contacts_->contacts()) {
-    const Manifold& m = contact.manifold;
-    bool arm_a = m.friction > 0.0;
-    bool arm_b = m.friction > 0.0;
-    for (int i = 0; i < m.count; ++i) {
+  const std::span<const ContactBrief> briefs = world.contacts_->briefs();
+  for (std::size_t k = 0; k < briefs.size(); ++k) {
+    bool arm_a = briefs[k].rubs;
+    bool arm_b = briefs[k].rubs;
+    const Manifold& m = world.contacts_->contacts()[k].manifold;
+    for (int i = 0; !(arm_a && arm_b) && i < m.count; ++i) {
       arm_a = arm_a || !m.points[i].anchor_a_l.isZero(0.0);
       arm_b = arm_b || !m.points[i].anchor_b_l.isZero(0.0);
     }
-    if (arm_a) bodies_[m.body_a].turns = true;
-    if (arm_b) bodies_[m.body_b].turns = true;
+    if (arm_a) bodies_[briefs[k].a].turns = true;
+    if (arm_b) bodies_[briefs[k].b].turns = true;
   }
 }
 
@@ -214,21 +208,28 @@ void BodyBuffer::move_kinematic(double h) {
   }
 }
 
-void BodyBuffer::rewind_kinematic(const World& world) {
+void BodyBuffer::rewind_kinematic(std::span<const BodyState> states) {
   for (const std::uint32_t i : kinematic_) {
-    bodies_[i].x = world.states_[i].pose.position;
-    bodies_[i].q = world.states_[i].pose.orientation;
+    bodies_[i].x = states[i].pose.position;
+    bodies_[i].q = states[i].pose.orientation;
   }
 }
 
-void BodyBuffer::store(World& world, double dt, std::span<const Group> groups, StepReport& report) {
-  for (const Group& group : groups) {
-    for (const std::uint32_t i : group.bodies) {
-      const SolverBody& body = bodies_[i];
-      if (is_finite(body)) {
-        world.states_[i] = {{body.x, body.q}, {body.v, body.w}};
-      } else {
-        refuse(world, i, report);
+void BodyBuffer::store(World& world, double dt, std::span<const Group> groups, Workers& workers,
+                       StepReport& report) {
+  std::atomic<bool> any_bad{false};
+  for_movers(workers, [&](std::uint32_t i, const SolverBody& body) {
+    if (body.group == SolverBody::kNoGroup) return;
+    if (is_finite(body)) {
+      world.states_[i] = {{body.x, body.q}, {body.v, body.w}};
+    } else {
+      any_bad.store(true, std::memory_order_relaxed);
+    }
+  });
+  if (any_bad.load()) {
+    for (const Group& group : groups) {
+      for (const std::uint32_t i : group.bodies) {
+        if (!is_finite(bodies_[i])) refuse(world, i, report);
       }
     }
   }
@@ -268,9 +269,9 @@ void BodyBuffer::store_kinematic(World& world, double dt, StepReport& report) {
 void BodyBuffer::mark_contacts(World& world) {
   for (const std::uint32_t i : world.touching_) world.in_contact_[i] = 0;
   world.touching_.clear();
-  for (const Contact& contact : world.contacts_->contacts()) {
-    if (!contact.loaded()) continue;
-    for (const std::uint32_t i : {contact.manifold.body_a, contact.manifold.body_b}) {
+  for (const ContactBrief& contact : world.contacts_->briefs()) {
+    if (!contact.loaded) continue;
+    for (const std::uint32_t i : {contact.a, contact.b}) {
       if (std::exchange(world.in_contact_[i], std::uint8_t{1}) == 0) world.touching_.push_back(i);
     }
   }

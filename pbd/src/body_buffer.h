@@ -71,14 +71,24 @@ class BodyBuffer {
     });
   }
   void move_kinematic(double h);
-  /// Back to where the step began: each group sees them move.
-  void rewind_kinematic(const World& world);
+  /// Back to where the step began: each group that they touch sees them move.
+  void rewind_kinematic(std::span<const BodyState> states);
 
   /// Back into the world. A body that became NaN or infinite stays where the step began, at
   /// rest, and is named in the report.
-  void store(World& world, double dt, std::span<const Group> groups, StepReport& report);
+  void store(World& world, double dt, std::span<const Group> groups, Workers& workers,
+             StepReport& report);
+  /// Call visit(slot, body) for all that may move, shared out among workers.
+  void for_movers(Workers& workers, auto&& visit) {
+    workers.for_chunks(movers_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t k = begin; k < end; ++k) visit(movers_[k], bodies_[movers_[k]]);
+    });
+  }
 
  private:
+  /// Bodies given to a worker at a time.
+  static constexpr std::size_t kBodyGrain = 256;
+
   void mark_turned(const World& world, std::span<const ConstraintEdge> edges);
   void load_one(const World& world, std::uint32_t i);
   void load_once(const World& world, std::uint32_t i) {

@@ -22,11 +22,17 @@ class ConstraintEdges {
   void list(const World& world) {
     edges_.clear();
     idle_.clear();
+    single_.clear();
     projecting_ = 0;
     for (const auto& block : world.blocks()) {
       if (block.get() == world.contacts()) continue;
+      const std::size_t before = edges_.size();
       block->append_edges(edges_);
       block->append_idle(idle_);
+      if (!block->groups_at_once()) {
+        single_.insert(single_.end(), edges_.begin() + static_cast<std::ptrdiff_t>(before),
+                       edges_.end());
+      }
       if (!is_last(*block)) projecting_ = edges_.size();
     }
     contacts_ = edges_.size();
@@ -38,10 +44,13 @@ class ConstraintEdges {
   /// Of the blocks that project poses: those before contacts, which come first.
   std::span<const ConstraintEdge> projecting() const { return all().first(projecting_); }
   std::span<const ConstraintEdge> without_contacts() const { return all().first(contacts_); }
+  /// Those of blocks that are asked for one group at a time.
+  std::span<const ConstraintEdge> of_single_groups() const { return single_; }
 
  private:
   std::vector<ConstraintEdge> edges_;
   std::vector<ConstraintEdge> idle_;
+  std::vector<ConstraintEdge> single_;
   std::size_t projecting_ = 0;
   std::size_t contacts_ = 0;
 };

@@ -3,6 +3,7 @@
 #include "tandem/pbd/contact.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -81,6 +82,7 @@ ContactBlock::ContactBlock() : impl_(std::make_unique<Impl>()) {}
 ContactBlock::~ContactBlock() = default;
 
 std::span<const Contact> ContactBlock::contacts() const { return impl_->kept(); }
+std::span<const ContactBrief> ContactBlock::briefs() const { return impl_->briefs(); }
 bool ContactBlock::any_friction() const { return impl_->any_friction; }
 bool ContactBlock::any_restitution() const { return impl_->any_restitution; }
 bool ContactBlock::empty() const { return impl_->kept().empty(); }
@@ -90,49 +92,90 @@ void ContactBlock::configure(const ContactOptions& options) {
   impl_->kernels = &contact_kernels(options.lanes);
 }
 
-void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds) {
+void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds, Workers& workers) {
   const auto by_key = [](const Manifold& l, const Manifold& r) { return l.key < r.key; };
-  if (!std::is_sorted(manifolds.begin(), manifolds.end(), by_key)) {
+  const auto out_of_order = [&](std::size_t begin, std::size_t end) {
+    const auto last = manifolds.begin() + static_cast<std::ptrdiff_t>(end);
+    return !std::is_sorted(manifolds.begin() + static_cast<std::ptrdiff_t>(begin),
+                           end < manifolds.size() ? last + 1 : last, by_key);
+  };
+  if (workers.any_chunk(manifolds.size(), Impl::kBriefGrain, out_of_order)) {
     std::sort(manifolds.begin(), manifolds.end(), by_key);
   }
   Impl& m = *impl_;
   m.kept();
   m.by_body.outdate();
-  m.any_friction = m.any_restitution = false;
-  m.old_place.resize(manifolds.size());
-  std::size_t left = m.contacts.size();
-  for (std::size_t i = manifolds.size(); i-- > 0;) {
-    const Manifold& manifold = manifolds[i];
-    m.any_friction = m.any_friction || manifold.friction > 0.0;
-    m.any_restitution = m.any_restitution || manifold.restitution > 0.0;
-    while (left > 0 && m.contacts[left - 1].manifold.key > manifold.key) {
-      m.note_lost(m.contacts[--left]);
-    }
-    m.old_place[i] = ContactOrder::kNone;
-    if (left == 0 || m.contacts[left - 1].manifold.key != manifold.key) continue;
-    if (same_pair(m.contacts[--left].manifold, manifold)) {
-      m.old_place[i] = static_cast<std::uint32_t>(left);
-    } else {
-      m.note_lost(m.contacts[left]);
-    }
-  }
-  while (left > 0) m.note_lost(m.contacts[--left]);
-  // In place, each where nothing is that is still wanted: first what moves down, the lowest first,
-  // then what moves up, the highest first, and new ones last.
-  const std::size_t size = manifolds.size();
-  if (size > m.contacts.size()) m.contacts.resize(size);
-  for (std::size_t i = 0; i < size; ++i) {
-    if (m.old_place[i] == ContactOrder::kNone || m.old_place[i] < i) continue;
-    follow(manifolds[i], m.contacts[m.old_place[i]], m.contacts[i]);
-  }
-  for (std::size_t i = size; i-- > 0;) {
-    if (m.old_place[i] < i) follow(manifolds[i], m.contacts[m.old_place[i]], m.contacts[i]);
-  }
-  for (std::size_t i = 0; i < size; ++i) {
-    if (m.old_place[i] == ContactOrder::kNone) m.contacts[i] = {.manifold = manifolds[i]};
-  }
-  m.contacts.resize(size);
+  m.match(manifolds, workers);
+  m.follow_all(manifolds, workers);
   manifolds.clear();
+}
+
+/// Of the last step's contacts those that are still there, and loads that are gone.
+void ContactBlock::Impl::match(std::span<const Manifold> manifolds, Workers& workers) {
+  std::atomic<bool> friction{false}, restitution{false};
+  old_place.resize(manifolds.size());
+  goes_on.assign(contacts.size(), 0);
+  workers.for_chunks(manifolds.size(), kBriefGrain, [&](std::size_t begin, std::size_t end, int) {
+    bool rubs = false;
+    bool bounces = false;
+    auto old = std::lower_bound(
+        contacts.begin(), contacts.end(), manifolds[begin].key,
+        [](const Contact& contact, std::uint64_t key) { return contact.manifold.key < key; });
+    for (std::size_t i = begin; i < end; ++i) {
+      const Manifold& manifold = manifolds[i];
+      rubs = rubs || manifold.friction > 0.0;
+      bounces = bounces || manifold.restitution > 0.0;
+      while (old != contacts.end() && old->manifold.key < manifold.key) ++old;
+      const bool found = old != contacts.end() && old->manifold.key == manifold.key &&
+                         same_pair(old->manifold, manifold);
+      const auto place = static_cast<std::uint32_t>(old - contacts.begin());
+      old_place[i] = found ? place : ContactOrder::kNone;
+      if (found) goes_on[place] = 1;
+    }
+    if (rubs) friction.store(true, std::memory_order_relaxed);
+    if (bounces) restitution.store(true, std::memory_order_relaxed);
+  });
+  any_friction = friction.load();
+  any_restitution = restitution.load();
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    if (goes_on[k] == 0) note_lost(contacts[k]);
+  }
+}
+
+void ContactBlock::Impl::follow_all(std::span<const Manifold> manifolds, Workers& workers) {
+  const std::size_t size = manifolds.size();
+  brief_list.resize(size);
+  briefs_are_old = false;
+  if (workers.count() == 1) {
+    // In place, each where nothing is that is still wanted: first what moves down, the lowest
+    // first, then what moves up, the highest first, and new ones last.
+    if (size > contacts.size()) contacts.resize(size);
+    for (std::size_t i = 0; i < size; ++i) {
+      if (old_place[i] == ContactOrder::kNone || old_place[i] < i) continue;
+      follow(manifolds[i], contacts[old_place[i]], contacts[i]);
+    }
+    for (std::size_t i = size; i-- > 0;) {
+      if (old_place[i] < i) follow(manifolds[i], contacts[old_place[i]], contacts[i]);
+    }
+    for (std::size_t i = 0; i < size; ++i) {
+      if (old_place[i] == ContactOrder::kNone) contacts[i] = {.manifold = manifolds[i]};
+      brief_list[i] = brief_of(contacts[i]);
+    }
+    contacts.resize(size);
+    return;
+  }
+  next_contacts.resize(size);
+  workers.for_chunks(size, kGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (old_place[i] == ContactOrder::kNone) {
+        next_contacts[i] = {.manifold = manifolds[i]};
+      } else {
+        follow(manifolds[i], contacts[old_place[i]], next_contacts[i]);
+      }
+      brief_list[i] = brief_of(next_contacts[i]);
+    }
+  });
+  contacts.swap(next_contacts);
 }
 
 void ContactBlock::adopt(std::span<const Contact> contacts) {
@@ -141,6 +184,7 @@ void ContactBlock::adopt(std::span<const Contact> contacts) {
   };
   std::vector<Contact>& own = impl_->kept();
   impl_->by_body.outdate();
+  impl_->briefs_are_old = true;
   const auto old_end = static_cast<std::ptrdiff_t>(own.size());
   own.insert(own.end(), contacts.begin(), contacts.end());
   // What stands for a shape elsewhere has another version there.
@@ -160,27 +204,34 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   Impl& m = *impl_;
   m.forget_loads(ctx);
   m.put_in_sequence();
-  const auto arranged = m.support.arrange(m.contacts, m.sequence, ctx.bodies, ctx.movers);
+  const auto arranged = m.support.arrange(m.briefs(), m.sequence, ctx.bodies, ctx.movers);
   m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.movers, ctx.gravity,
                   m.options.warm_start_gap, ctx.h);
-  m.order.build(arranged, ctx.bodies.size(), ctx.movers);
-  if (m.any_restitution) m.impacts.reserve(ctx.bodies.size());
+  m.cells.find(arranged, ctx);
+  m.order.build(arranged, m.cells, ctx.bodies.size(), ctx.movers,
+                static_cast<std::uint32_t>(ctx.team));
+  m.groups.resize(static_cast<std::size_t>(ctx.team));
+  for (ContactGroup& group : m.groups) {
+    if (m.any_restitution) group.impacts.reserve(ctx.bodies.size());
+    group.extra_rows = group.refined_rows = group.open_rows = 0;
+  }
   m.pushed.resize(ctx.bodies.size());
-  m.extra_rows = m.refined_rows = m.refused_rows = m.open_rows = 0;
-  m.refined = {};
+  m.refused_rows = 0;
   m.least_substeps = ctx.substeps;
 }
 
 void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
   const auto places = order.places(ctx.group);
   const std::size_t blocks = places.size() / kLanes;
-  if (blocks > room_for_rows.capacity()) {
-    room_for_rows = {};  // made anew for each group: nothing has to be copied, or be there twice
-    room_for_rows.reserve(blocks + blocks / 4);
+  ContactGroup& own = group(ctx);
+  if (blocks > own.room.capacity()) {
+    own.room = {};  // made anew for each group: nothing has to be copied, or be there twice
+    own.room.reserve(blocks + blocks / 4);
   }
   // What is in reserve takes no memory before it is written to.
-  if (blocks > room_for_rows.size()) room_for_rows.resize(blocks);
-  rows = std::span(room_for_rows).first(blocks);
+  if (blocks > own.room.size()) own.room.resize(blocks);
+  own.rows = std::span(own.room).first(blocks);
+  const std::span<ContactRows> rows = own.rows;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   const auto prepare = [&](ContactRows& made, std::span<const std::uint32_t> block) {
     made.faces = contacts[block[0]].manifold.count > 1;
@@ -214,7 +265,10 @@ void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
                               prepare(rows[k], block(k));
                             }
                           });
-  joined = std::any_of(rows.begin(), rows.end(), [](const ContactRows& r) { return r.joined; });
+  own.joined = ctx.workers->any_chunk(rows.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    return std::any_of(rows.begin() + begin, rows.begin() + end,
+                       [](const ContactRows& r) { return r.joined != 0; });
+  });
 }
 
 void ContactBlock::Impl::renew_rows(const SubstepContext& ctx) {
@@ -248,60 +302,60 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
                          .resting = m.options.resting_tolerance * fall,
                          .growth = fall};
   const BodyNumbers numbers = numbers_of(ctx.bodies);
+  ContactGroup& own = m.group(ctx);
   if (ctx.substep == 0) {
-    m.turned = false;
+    own.turned = false;
     m.make_rows(ctx);
-    const int rows = m.row_count() * (ctx.substeps - m.least_substeps);
-    if (ctx.substeps != m.refined.substeps) m.refined.below = m.refined_rows;
-    m.refined.substeps = ctx.substeps;
-    m.refined.group = m.refined.below + static_cast<int>(rows / ctx.share_of_budget);
-    m.refined_rows += rows;
+    own.budget_spent = m.spent(ctx);
+    own.refined_rows += m.rows_beyond(ctx.group, ctx.substeps);
   }
-  if (std::exchange(m.turned, false) || m.joined) m.renew_rows(ctx);
+  if (std::exchange(own.turned, false) || own.joined) m.renew_rows(ctx);
   const AnchorNumbers anchors = anchors_of(m.contacts);
   m.for_rows(ctx, [&](ContactRows& rows) {
-    m.prefetch_anchors(rows);
+    m.prefetch_anchors(own.rows, rows);
     m.kernels->begin(rows, rule, numbers, anchors);
     if (rows.joined != 0) carry_near(rows, ctx);
   });
   if (!m.any_restitution) return;
-  m.impacts.begin(m.rows, ctx.bodies, rule.bounce_speed);
+  own.impacts.begin(own.rows, m.order.by_level(ctx.group), ctx.bodies, rule.bounce_speed);
 }
 
 void ContactBlock::warm_start(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
+  const std::span<const ContactRows> rows = m.group(ctx).rows;
   m.order.sweep(ctx.group, false, *ctx.workers, [&](std::uint32_t k) {
-    m.prefetch_bodies(k, false, numbers);
-    m.kernels->warm_start(m.rows[k], numbers);
+    Impl::prefetch_bodies(rows, k, false, numbers);
+    m.kernels->warm_start(rows[k], numbers);
   });
 }
 
 double ContactBlock::project(const SubstepContext& ctx) {
   Impl& m = *impl_;
+  ContactGroup& own = m.group(ctx);
+  const std::span<ContactRows> rows = own.rows;
   const bool first_substep = ctx.substep == 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
-    m.prefetch_bodies(k, ctx.reverse, numbers);
-    m.kernels->solve(m.rows[k], ContactPass::Motion, normal_friction_iterations(first_substep),
+    Impl::prefetch_bodies(rows, k, ctx.reverse, numbers);
+    m.kernels->solve(rows[k], ContactPass::Motion, normal_friction_iterations(first_substep),
                      kAllLanes, numbers);
   });
   const ContactConvergence::Rule rule{.tolerance = m.options.resting_tolerance * fall_of(ctx),
-                                      .rows = m.rows_to_sweep(m.refined.group, ctx),
+                                      .rows = m.rows_to_sweep(own.budget_spent, ctx),
                                       .first_substep = first_substep};
-  const auto [swept, open] = m.convergence.run(rule, m.order, ctx.group, ctx.reverse, m.rows,
-                                               *m.kernels, ctx.bodies, *ctx.workers);
-  m.extra_rows += swept;
-  m.open_rows = std::max(m.open_rows, open);
-  m.turned = true;
-  const double change = ctx.h * m.largest_change();
+  const auto [swept, open] = own.convergence.run(rule, m.order, ctx.group, ctx.reverse, rows,
+                                                 *m.kernels, ctx.bodies, *ctx.workers);
+  own.extra_rows += swept;
+  own.open_rows = std::max(own.open_rows, open);
+  own.turned = true;
+  const double change = ctx.h * m.largest_change(ctx);
   // Overlaps are those of the substep's start: the first turn has opened them.
   if (ctx.iteration > 0) return change;
   for (const std::uint32_t body : ctx.members) m.pushed[body] = 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
-    const ContactRows& rows = m.rows[k];
-    m.push(rows, static_cast<LaneMask>(rows.penetrating & ~m.held(rows, ctx)), m.kernels->push,
-           numbers);
+    m.push(rows[k], static_cast<LaneMask>(rows[k].penetrating & ~m.held(rows[k], ctx)),
+           m.kernels->push, numbers);
   });
   if (ctx.shared) yield_to_gaps(ctx);
   return change;
@@ -323,7 +377,7 @@ double ContactBlock::project_displacement(const SubstepContext& ctx) {
   const BodyNumbers numbers = numbers_of(ctx.bodies);
   for (int i = 0; i < sweeps; ++i) {
     m.order.sweep(ctx.group, (i % 2 == 0) == ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
-      const ContactRows& rows = m.rows[k];
+      const ContactRows& rows = m.group(ctx).rows[k];
       const auto meant = static_cast<LaneMask>(rows.penetrating & m.held(rows, ctx));
       m.push(rows, meant, m.kernels->hold, numbers);
     });
@@ -335,16 +389,18 @@ double ContactBlock::solve_velocity(const SubstepContext& ctx) {
   Impl& m = *impl_;
   const bool first_substep = ctx.substep == 0;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
-  if (std::exchange(m.turned, false)) m.renew_rows(ctx);
+  ContactGroup& own = m.group(ctx);
+  const std::span<ContactRows> rows = own.rows;
+  if (std::exchange(own.turned, false)) m.renew_rows(ctx);
   if (m.any_restitution) {
-    m.impacts.run(m.rows, *m.kernels, ctx.bodies, m.rows_to_sweep(0, ctx));
+    own.impacts.run(rows, *m.kernels, ctx.bodies, m.rows_to_sweep(0, ctx));
   }
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
-    m.prefetch_bodies(k, ctx.reverse, numbers);
-    m.kernels->solve(m.rows[k], ContactPass::Velocity, normal_friction_iterations(first_substep),
+    Impl::prefetch_bodies(rows, k, ctx.reverse, numbers);
+    m.kernels->solve(rows[k], ContactPass::Velocity, normal_friction_iterations(first_substep),
                      kAllLanes, numbers);
   });
-  return m.largest_change();
+  return m.largest_change(ctx);
 }
 
 void ContactBlock::finish_velocity(const SubstepContext& ctx) {
@@ -364,21 +420,25 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
     }
     carry_friction(contact, rows.faces ? rows.twist[lane] / ctx.h : 0.0);
   };
+  const std::span<const ContactRows> all = impl_->group(ctx).rows;
   impl_->for_rows(ctx, [&](const ContactRows& rows) {
-    const std::size_t soon = static_cast<std::size_t>(&rows - impl_->rows.data()) + Impl::kAhead;
-    if (soon < impl_->rows.size()) impl_->prefetch_results(impl_->rows[soon]);
+    const std::size_t soon = static_cast<std::size_t>(&rows - all.data()) + Impl::kAhead;
+    if (soon < all.size()) impl_->prefetch_results(all[soon]);
     for (std::size_t lane = 0; lane < rows.count; ++lane) finish(rows, lane);
   });
 }
 
 void ContactBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
   Impl& m = *impl_;
+  m.briefs();  // all are there
+  m.add_up_groups();
   m.worst.assign(static_cast<std::size_t>(ctx.workers->count()), 0.0);
   ctx.workers->for_chunks(m.contacts.size(), Impl::kGrain,
                           [&](std::size_t begin, std::size_t end, int w) {
                             double& worst = m.worst[static_cast<std::size_t>(w)];
                             for (std::size_t k = begin; k < end; ++k) {
                               finish_contact(m.contacts[k], ctx.bodies, worst);
+                              m.brief_list[k] = Impl::brief_of(m.contacts[k]);
                             }
                           });
   m.residual = *std::max_element(m.worst.begin(), m.worst.end());

@@ -17,17 +17,35 @@ std::uint8_t octave_of(float speed) {
   return static_cast<std::uint8_t>(bit_cast<std::uint32_t>(speed) >> 23);
 }
 
+/// Blocks given to a worker at a time.
+constexpr std::size_t kBlockGrain = 64;
+
 /// The last of the budget is left over: looking for so few rows costs more than they bring.
 constexpr int kNotWorthIt = 8;
 
 }  // namespace
 
-void ContactConvergence::note(const ContactRows& rows, LaneMask lanes) {
+ContactConvergence::Ends ContactConvergence::ends_of(const ContactRows& rows,
+                                                     std::span<const SolverBody> bodies) {
+  Ends ends{rows.a, rows.b, {}, lanes_in_use(rows)};
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if ((rows.a_moves >> i & 1u) == 0) ends.a[i] = rows.b[i];
+    if ((rows.b_moves >> i & 1u) == 0) ends.b[i] = rows.a[i];
+    ends.island[i] = bodies[ends.a[i]].island;
+  }
+  return ends;
+}
+
+void ContactConvergence::note(std::uint32_t block, const ContactRows& rows, LaneMask lanes) {
+  const Ends& ends = ends_[block];
   for (std::size_t i = 0; i < rows.count; ++i) {
     if ((lanes >> i & 1u) == 0) continue;
     const auto speed = static_cast<float>(rows.change[i]);
-    if (rows.a_moves >> i & 1u) moved_[rows.a[i]] = std::max(moved_[rows.a[i]], speed);
-    if (rows.b_moves >> i & 1u) moved_[rows.b[i]] = std::max(moved_[rows.b[i]], speed);
+    for (const std::uint32_t body : {ends.a[i], ends.b[i]}) {
+      Moved& moved = moved_[body];
+      const float before = moved.sweep == sweep_ ? moved.speed : 0.0f;
+      moved = {std::max(before, speed), sweep_};
+    }
   }
 }
 
@@ -35,7 +53,7 @@ ContactConvergence::Open ContactConvergence::open_rows(const Ends& ends, float t
   float fastest = 0.0f;
   unsigned lanes = 0;
   for (std::size_t i = 0; i < kLanes; ++i) {
-    const float speed = std::max(moved_[ends.a[i]], moved_[ends.b[i]]);
+    const float speed = std::max(moved_[ends.a[i]].speed, moved_[ends.b[i]].speed);
     fastest = std::max(fastest, speed);
     if (!(speed > tolerance)) continue;
     for (std::size_t k = 0; k < kLanes; ++k) {
@@ -45,82 +63,68 @@ ContactConvergence::Open ContactConvergence::open_rows(const Ends& ends, float t
   return {.lanes = static_cast<LaneMask>(lanes & ends.lanes), .octave = octave_of(fastest)};
 }
 
-void ContactConvergence::find_open(float tolerance) {
-  open_.clear();
-  octaves_.fill(0);
-  for (std::uint32_t k = 0; k < ends_.size(); ++k) {
-    Open open = open_rows(ends_[k], tolerance);
-    if (open.lanes == 0) continue;
-    open.block = k;
-    open_.push_back(open);
-    octaves_[open.octave] += std::popcount(open.lanes);
+void ContactConvergence::find_open(float tolerance, Workers& workers) {
+  octaves_.assign(static_cast<std::size_t>(workers.count()), {});
+  workers.for_chunks(ends_.size(), kBlockGrain, [&](std::size_t begin, std::size_t end, int worker) {
+    std::array<int, 256>& rows = octaves_[static_cast<std::size_t>(worker)].rows;
+    for (std::size_t k = begin; k < end; ++k) {
+      open_[k] = open_rows(ends_[k], tolerance);
+      rows[open_[k].octave] += std::popcount(open_[k].lanes);
+    }
+  });
+  for (std::size_t w = 1; w < octaves_.size(); ++w) {
+    for (std::size_t i = 0; i < 256; ++i) octaves_[0].rows[i] += octaves_[w].rows[i];
   }
 }
 
-int ContactConvergence::keep_most_moved(int most) {
-  std::size_t lowest = octaves_.size();
+int ContactConvergence::keep_most_moved(int most, std::size_t& lowest) const {
+  const std::array<int, 256>& rows = octaves_[0].rows;
+  lowest = rows.size();
   int kept = 0;
-  while (lowest > 0 && kept + octaves_[lowest - 1] <= most) kept += octaves_[--lowest];
-  std::erase_if(open_, [&](const Open& open) { return open.octave < lowest; });
+  while (lowest > 0 && kept + rows[lowest - 1] <= most) kept += rows[--lowest];
   return kept;
 }
 
-void ContactConvergence::plan(const ContactOrder& order, std::uint32_t group) {
-  plan_.clear();
-  std::uint32_t begin = 0;
-  for (std::uint32_t i = 1; i <= open_.size(); ++i) {
-    const bool same = i < open_.size() &&
-                      order.level(group, open_[i].block) == order.level(group, open_[begin].block);
-    if (same) continue;
-    plan_.add_level(begin, i);
-    begin = i;
-  }
-}
-
-ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, const ContactOrder& order,
+ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, ContactOrder& order,
                                                     std::uint32_t group, bool reverse,
                                                     std::span<ContactRows> rows,
                                                     const ContactKernels& kernels,
                                                     std::span<SolverBody> bodies,
                                                     Workers& workers) {
   Outcome outcome;
-  const auto solved = [&](const ContactRows& each) {
-    return *std::max_element(each.change.begin(), each.change.end()) <= rule.tolerance;
+  const auto any_open = [&](std::size_t begin, std::size_t end) {
+    return std::any_of(rows.begin() + begin, rows.begin() + end, [&](const ContactRows& each) {
+      return !(*std::max_element(each.change.begin(), each.change.end()) <= rule.tolerance);
+    });
   };
-  if (rule.rows == 0 || std::all_of(rows.begin(), rows.end(), solved)) return outcome;
+  if (rule.rows == 0 || !workers.any_chunk(rows.size(), kBlockGrain, any_open)) return outcome;
   moved_.resize(bodies.size());
-  ends_.clear();
-  for (const ContactRows& each : rows) {
-    for (std::size_t i = 0; i < each.count; ++i) moved_[each.a[i]] = moved_[each.b[i]] = 0.0f;
-  }
-  for (const ContactRows& each : rows) {
-    Ends& ends = ends_.emplace_back(Ends{each.a, each.b, {}, lanes_in_use(each)});
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      ends.island[i] = bodies[(each.a_moves >> i & 1u) != 0 ? each.a[i] : each.b[i]].island;
-    }
-    note(each, kAllLanes);
-  }
+  ends_.resize(rows.size());
+  open_.resize(rows.size());
+  workers.for_chunks(rows.size(), kBlockGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) ends_[k] = ends_of(rows[k], bodies);
+  });
+  ++sweep_;
+  order.sweep(group, false, workers, [&](std::uint32_t k) { note(k, rows[k], kAllLanes); });
   const BodyNumbers numbers = numbers_of(bodies);
   for (;;) {
-    find_open(static_cast<float>(rule.tolerance));
-    outcome.open = std::accumulate(octaves_.begin(), octaves_.end(), 0);
+    find_open(static_cast<float>(rule.tolerance), workers);
+    const std::array<int, 256>& octaves = octaves_[0].rows;
+    outcome.open = std::accumulate(octaves.begin(), octaves.end(), 0);
     const int left = rule.rows - outcome.swept;
     if (left < rule.rows / kNotWorthIt) return outcome;
-    const int kept = keep_most_moved(left);
+    std::size_t lowest = 0;
+    const int kept = keep_most_moved(left, lowest);
     if (kept == 0) return outcome;
-    for (const Open& open : open_) {
-      const Ends& ends = ends_[open.block];
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        if (open.lanes >> i & 1u) moved_[ends.a[i]] = moved_[ends.b[i]] = 0.0f;
-      }
-    }
     reverse = !reverse;
-    plan(order, group);
-    plan_.sweep(reverse, workers, [&](std::uint32_t i) {
-      kernels.solve(rows[open_[i].block], ContactPass::Motion,
-                    normal_friction_iterations(rule.first_substep), open_[i].lanes, numbers);
+    ++sweep_;
+    order.sweep(group, reverse, workers, [&](std::uint32_t k) {
+      const Open& open = open_[k];
+      if (open.lanes == 0 || open.octave < lowest) return;
+      kernels.solve(rows[k], ContactPass::Motion, normal_friction_iterations(rule.first_substep),
+                    open.lanes, numbers);
+      note(k, rows[k], open.lanes);
     });
-    for (const Open& open : open_) note(rows[open.block], open.lanes);
     outcome.swept += kept;
   }
 }

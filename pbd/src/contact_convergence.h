@@ -35,42 +35,51 @@ class ContactConvergence {
   };
 
   /// @param rows  of the group     @param reverse  the direction of the first sweep
-  Outcome run(const Rule& rule, const ContactOrder& order, std::uint32_t group, bool reverse,
+  Outcome run(const Rule& rule, ContactOrder& order, std::uint32_t group, bool reverse,
               std::span<ContactRows> rows, const ContactKernels& kernels,
               std::span<SolverBody> bodies, Workers& workers);
 
  private:
+  /// What is asked of the rows of a block in a sweep.
   struct Open {
-    std::uint32_t block = 0;
-    LaneMask lanes = 0;
+    LaneMask lanes = 0;       ///< none: the block is left out
     std::uint8_t octave = 0;  ///< how much a body of its rows moved, at most
   };
-
-  /// The bodies of a block's rows: all blocks are looked at again and again, and one of rows is
-  /// fifty cache lines.
+  /// The bodies of a block's rows that can move; of a row with one, that one twice. All blocks are
+  /// looked at again and again, and one of rows is fifty cache lines.
   struct Ends {
     std::array<std::uint32_t, kLanes> a;
     std::array<std::uint32_t, kLanes> b;
     std::array<std::uint32_t, kLanes> island;
     LaneMask lanes;  ///< in use
   };
-  void note(const ContactRows& rows, LaneMask lanes);
+  /// Largest change of a row since the body was swept.
+  struct Moved {
+    float speed = 0.0f;       ///< m/s
+    std::uint32_t sweep = 0;  ///< in which it was
+  };
+  /// Rows of open blocks by the exponent of how much they moved.
+  struct alignas(64) Octaves {
+    std::array<int, 256> rows{};
+  };
+
+  static Ends ends_of(const ContactRows& rows, std::span<const SolverBody> bodies);
+  /// In a sweep, which has the bodies of a block to itself.
+  void note(std::uint32_t block, const ContactRows& rows, LaneMask lanes);
   /// Of a block: the rows in islands that have a row here with a body that moved by more than this,
   /// m/s.
   Open open_rows(const Ends& ends, float tolerance) const;
   /// The blocks with such rows.
-  void find_open(float tolerance);
-  /// Keep those open blocks whose bodies moved most, with no more than `most` rows: whole octaves.
+  void find_open(float tolerance, Workers& workers);
+  /// The lowest octave of those open blocks whose bodies moved most, with no more than `most` rows.
   /// @return how many rows
-  int keep_most_moved(int most);
-  /// Share out the open blocks, level by level.
-  void plan(const ContactOrder& order, std::uint32_t group);
+  int keep_most_moved(int most, std::size_t& lowest) const;
 
-  detail::SparseArray<float> moved_;  ///< m/s, by body: largest change of a row since it was swept
+  detail::SparseArray<Moved> moved_;  ///< by body
+  std::uint32_t sweep_ = 0;           ///< number of the sweep, of all steps
   std::vector<Ends> ends_;            ///< by block of the group
-  std::vector<Open> open_;            ///< by ascending block
-  SweepPlan plan_;                    ///< of indices into open_
-  std::array<int, 256> octaves_{};  ///< rows of open blocks by the exponent of how much they moved
+  std::vector<Open> open_;            ///< by block
+  std::vector<Octaves> octaves_;      ///< by worker; then the first has all of them
 };
 
 }  // namespace tandem::pbd

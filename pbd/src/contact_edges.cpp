@@ -13,10 +13,11 @@ void ContactBlock::take_changed(std::vector<std::uint32_t>& bodies) {
 }
 
 void ContactBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
-  for (const Contact& contact : impl_->kept()) {
-    edges.push_back({.body_a = contact.manifold.body_a,
-                     .body_b = contact.manifold.body_b,
-                     .supports = contact.loaded()});
+  const std::span<const ContactBrief> briefs = impl_->briefs();
+  const std::size_t first = edges.size();
+  edges.resize(first + briefs.size());
+  for (std::size_t k = 0; k < briefs.size(); ++k) {
+    edges[first + k] = {.body_a = briefs[k].a, .body_b = briefs[k].b, .supports = briefs[k].loaded};
   }
 }
 

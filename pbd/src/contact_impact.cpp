@@ -46,8 +46,9 @@ void ContactImpacts::reserve(std::size_t bodies) {
   moved_.resize(bodies);
 }
 
-void ContactImpacts::begin(std::span<const ContactRows> rows, std::span<const SolverBody> bodies,
-                           double slow) {
+void ContactImpacts::begin(std::span<const ContactRows> rows, std::span<const std::uint32_t> order,
+                           std::span<const SolverBody> bodies, double slow) {
+  order_ = order;
   any_ = std::any_of(rows.begin(), rows.end(), [](const ContactRows& r) { return r.bounces; });
   if (!any_) return;
   slow_ = slow;
@@ -63,7 +64,8 @@ void ContactImpacts::begin(std::span<const ContactRows> rows, std::span<const So
 void ContactImpacts::find_open(std::span<const ContactRows> rows, const ContactKernels& kernels,
                                BodyNumbers bodies, double slow, bool first) {
   open_.clear();
-  for (std::uint32_t k = 0; k < rows.size(); ++k) {
+  for (std::uint32_t n = 0; n < rows.size(); ++n) {
+    const std::uint32_t k = order_.empty() ? n : order_[n];
     LaneMask reached = first && rows[k].bounces ? kAllLanes : 0;
     if (!first) {
       for_bodies(rows[k], kAllLanes, [&](std::size_t i, std::uint32_t body) {
@@ -118,8 +120,13 @@ void ContactImpacts::run(std::span<ContactRows> rows, const ContactKernels& kern
     }
   }
   const double slow = std::max(slow_, kFaint * fastest);
-  // What opens overlaps has done so by now: its velocities stand for those of the blows.
+  // What opens overlaps has done so by now: its velocities stand for those of the blows. What
+  // stands still may be in other groups, which are solved at the same time.
+  const auto stands = [&](std::uint32_t i) {
+    return bodies[i].inv_mass == 0.0 && bodies[i].v.isZero(0.0) && bodies[i].w.isZero(0.0);
+  };
   for_ends(rows, [&](std::uint32_t i) {
+    if (stands(i)) return;
     bodies[i].v_push = before_[i].linear;
     bodies[i].w_push = before_[i].angular;
   });
@@ -149,6 +156,7 @@ void ContactImpacts::run(std::span<ContactRows> rows, const ContactKernels& kern
     if (blows_[k].struck != 0) kernels.settle(rows[k], blows_[k], numbers);
   }
   for_ends(rows, [&](std::uint32_t i) {
+    if (stands(i)) return;
     bodies[i].v_push.setZero();
     bodies[i].w_push.setZero();
   });

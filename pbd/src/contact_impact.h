@@ -28,7 +28,9 @@ class ContactImpacts {
   void reserve(std::size_t bodies);
   /// Velocities as they are before the substep, and impulses as it begins with them.
   /// @param slow  m/s, slower impacts do not bounce
-  void begin(std::span<const ContactRows> rows, std::span<const SolverBody> bodies, double slow);
+  /// @param order  of blocks; empty: as they lie     @pre what it views lasts until run()
+  void begin(std::span<const ContactRows> rows, std::span<const std::uint32_t> order,
+             std::span<const SolverBody> bodies, double slow);
   /// Once in a substep, after the pass: rows that carry nothing did not close and are not hit.
   /// @param most  rows struck; what is left then approaches without a bounce
   void run(std::span<ContactRows> rows, const ContactKernels& kernels, std::span<SolverBody> bodies,
@@ -54,7 +56,8 @@ class ContactImpacts {
   detail::SparseArray<double>
       reached_;  ///< m/s, by body: fastest approach in open rows; 0, in none
   detail::SparseArray<std::uint8_t> moved_;  ///< by body: in this round
-  std::vector<Open> open_;                   ///< by ascending block
+  std::vector<Open> open_;                   ///< in order
+  std::span<const std::uint32_t> order_;     ///< of blocks; empty: as they lie
 };
 
 }  // namespace tandem::pbd

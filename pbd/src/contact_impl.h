@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "contact_cells.h"
 #include "contact_convergence.h"
 #include "contact_impact.h"
 #include "contact_order.h"
@@ -25,47 +26,70 @@ void follow(const Manifold& manifold, const Contact& old, Contact& contact);
 /// What friction the next step starts from: see kFrictionShare.
 void carry_friction(Contact& contact, double twist);
 
+/// The rows of a group while it is solved, and what is found out on the way.
+struct ContactGroup {
+  std::vector<ContactRows> room;
+  std::span<ContactRows> rows;  ///< by place in the order
+  ContactConvergence convergence;
+  ContactImpacts impacts;
+  std::vector<double> sums;  ///< by worker, scratch
+  int budget_spent = 0;      ///< rows of refinement, see ContactBlock::Impl::spent()
+  bool turned = false;       ///< poses have been advanced since rows were made or renewed
+  bool joined = false;       ///< some row is of a body on joints
+  // Of all groups in this step that were solved here:
+  int extra_rows = 0;    ///< swept again
+  int refined_rows = 0;  ///< of substeps beyond those of the solver
+  int open_rows = 0;     ///< left unsolved, in the worst substep
+};
+
 struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
-  static constexpr std::size_t kAhead = 2;   ///< blocks of rows
-  static constexpr std::size_t kGrain = 64;  ///< contacts given to a worker at a time
+  static constexpr std::size_t kAhead = 2;         ///< blocks of rows
+  static constexpr std::size_t kGrain = 64;        ///< contacts given to a worker at a time
+  static constexpr std::size_t kBriefGrain = 512;  ///< where little is done with each
 
   std::vector<Contact> contacts;         ///< by ascending key; between steps see kept()
+  std::vector<Contact> next_contacts;    ///< scratch of follow_all(), where there are workers
   std::vector<std::uint32_t> old_place;  ///< where each was in the last step, or kNone
-  std::vector<std::uint32_t> sequence;   ///< contacts by Manifold::order; empty where it is by key
+  std::vector<std::uint8_t> goes_on;     ///< by contact of the last step
+  std::vector<ContactBrief> brief_list;  ///< see briefs()
+  bool briefs_are_old = false;
+  std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty where it is by key
   std::vector<std::pair<std::uint64_t, std::uint32_t>> ranks;  ///< scratch of put_in_sequence()
   ByBody by_body;                                              ///< contacts; see named()
   bool gone = false;                   ///< some contacts name no bodies any more
   std::vector<std::uint32_t> changed;  ///< bodies that lost a load, until the next step
-  std::vector<ContactRows> room_for_rows;
-  std::span<ContactRows> rows;  ///< of the group that is solved, by place in the order
   std::vector<std::uint8_t>
       pushed;                 ///< by body: has v_push or w_push in this substep; 0 between steps
   std::vector<double> worst;  ///< m, by worker
   ContactSupport support;
   ContactStatics statics;
+  ContactCells cells;
   ContactOrder order;
-  ContactConvergence convergence;
-  ContactImpacts impacts;
+  std::vector<ContactGroup> groups;  ///< those that are solved at once: by worker
   ContactRefinement refinement;
   ContactOptions options;
   const ContactKernels* kernels = &contact_kernels(0);
-  int extra_rows = 0;    ///< rows swept again in this step
-  int refined_rows = 0;  ///< rows of substeps beyond those of the solver in this step
-  /// Of the budget, by refinement: rows of groups with fewer substeps, and of this one as if all of
-  /// its level were like it, so that it does not matter which of them comes first.
-  struct {
-    int below = 0, group = 0;
-    int substeps = 0;  ///< of the level
-  } refined;
-  int refused_rows = 0;    ///< the same, wanted for the next one and not given
-  int least_substeps = 1;  ///< the solver's
+  int extra_rows = 0;      ///< rows swept again in this step
+  int refined_rows = 0;    ///< rows of substeps beyond those of the solver
+  int refused_rows = 0;    ///< the same, wanted for the next step and not given
   int open_rows = 0;       ///< rows that were left unsolved, in the worst substep
+  int least_substeps = 1;  ///< the solver's
   double residual = 0.0;
   double last_h = 0.0;  ///< s, length of a substep in the last step; 0: there was none
-  bool turned = false;  ///< poses have been advanced since rows were made or renewed
-  bool joined = false;  ///< some row of the group is of a body on joints
   bool any_friction = false;
   bool any_restitution = false;
+
+  ContactGroup& group(const SubstepContext& ctx) {
+    return groups[static_cast<std::size_t>(ctx.worker)];
+  }
+  void add_up_groups() {
+    extra_rows = refined_rows = open_rows = 0;
+    for (const ContactGroup& each : groups) {
+      extra_rows += each.extra_rows;
+      refined_rows += each.refined_rows;
+      open_rows = std::max(open_rows, each.open_rows);
+    }
+  }
 
   /// The contacts without those of bodies that have been removed since the last step.
   std::vector<Contact>& kept() {
@@ -73,8 +97,28 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     gone = false;
     std::erase_if(contacts, [](const Contact& c) { return c.manifold.body_a == BodyId::kNone; });
     by_body.outdate();
+    briefs_are_old = true;
     return contacts;
   }
+  static ContactBrief brief_of(const Contact& contact) {
+    const Manifold& m = contact.manifold;
+    return {.a = m.body_a,
+            .b = m.body_b,
+            .face = m.count > 1,
+            .loaded = contact.loaded(),
+            .is_new = !(contact.overlap >= 0.0),
+            .rubs = m.friction > 0.0};
+  }
+  std::span<const ContactBrief> briefs() {
+    kept();
+    if (!std::exchange(briefs_are_old, false) && brief_list.size() == contacts.size())
+      return brief_list;
+    brief_list.clear();
+    for (const Contact& contact : contacts) brief_list.push_back(brief_of(contact));
+    return brief_list;
+  }
+  void match(std::span<const Manifold> manifolds, Workers& workers);
+  void follow_all(std::span<const Manifold> manifolds, Workers& workers);
   /// Made when it is first asked for after a step.
   const ByBody& named() {
     by_body.renew([&] {
@@ -105,6 +149,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
       const bool awake = ctx.bodies[m.body_a].is_solved() || ctx.bodies[m.body_b].is_solved();
       if (awake) contact = {.manifold = m};
     }
+    briefs_are_old = true;
   }
 
   void put_in_sequence() {
@@ -122,7 +167,8 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   }
 
   /// What lies all over the memory is on its way when its turn comes.
-  void prefetch_bodies(std::size_t k, bool reverse, BodyNumbers bodies) const {
+  static void prefetch_bodies(std::span<const ContactRows> rows, std::size_t k, bool reverse,
+                              BodyNumbers bodies) {
     if (reverse ? k < kAhead : k + kAhead >= rows.size()) return;
     const ContactRows& soon = rows[reverse ? k - kAhead : k + kAhead];
     for (std::size_t i = 0; i < kLanes; ++i) {
@@ -150,7 +196,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     }
   }
   /// The points of the contacts of the block after the next one.
-  void prefetch_anchors(const ContactRows& block) const {
+  void prefetch_anchors(std::span<const ContactRows> rows, const ContactRows& block) const {
     const std::size_t soon = static_cast<std::size_t>(&block - rows.data()) + kAhead;
     if (soon >= rows.size()) return;
     for (const std::uint32_t contact : rows[soon].contact) {
@@ -171,8 +217,9 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
   }
 
-  /// Call visit(rows) for all blocks of rows, shared out among workers.
+  /// Call visit(rows) for all blocks of rows of the group, shared out among workers.
   void for_rows(const SubstepContext& ctx, auto&& visit) {
+    const std::span<ContactRows> rows = group(ctx).rows;
     ctx.workers->for_chunks(rows.size(), kGrain / kLanes,
                             [&](std::size_t begin, std::size_t end, int) {
                               for (std::size_t k = begin; k < end; ++k) visit(rows[k]);
@@ -205,10 +252,19 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     }
   }
 
-  int row_count() const {
-    int count = 0;
-    for (const ContactRows& each : rows) count += each.count;
-    return count;
+  /// Rows of substeps beyond the solver's that the budget has had before: those of groups with
+  /// fewer substeps, and of this one as if all of its level were like it, so that it does not
+  /// matter which of them comes first.
+  int spent(const SubstepContext& ctx) const {
+    int below = 0;
+    for (std::uint32_t g = 0; g < ctx.groups.size(); ++g) {
+      const int substeps = ctx.groups[g].substeps;
+      if (substeps < ctx.substeps) below += rows_beyond(g, substeps);
+    }
+    return below + static_cast<int>(rows_beyond(ctx.group, ctx.substeps) / ctx.share_of_budget);
+  }
+  int rows_beyond(std::uint32_t group, int substeps) const {
+    return order.row_count(group) * (substeps - least_substeps);
   }
   /// Rows of a step that may be swept on, or be struck by blows, for each of its substeps.
   /// @param spent  of the budget
@@ -229,12 +285,21 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   /// 3500 J within ten of its 128 substeps.
   void renew_rows(const SubstepContext& ctx);
 
-  double largest_change() const {
-    double largest = 0.0;
-    for (const ContactRows& each : rows) {
-      largest = std::max(largest, *std::max_element(each.change.begin(), each.change.end()));
-    }
-    return largest;
+  /// m/s
+  double largest_change(const SubstepContext& ctx) {
+    ContactGroup& own = group(ctx);
+    own.sums.assign(static_cast<std::size_t>(ctx.workers->count()), 0.0);
+    ctx.workers->for_chunks(
+        own.rows.size(), kGrain, [&](std::size_t begin, std::size_t end, int worker) {
+          double largest = 0.0;
+          for (std::size_t k = begin; k < end; ++k) {
+            const Lanes& change = own.rows[k].change;
+            largest = std::max(largest, *std::max_element(change.begin(), change.end()));
+          }
+          double& of_worker = own.sums[static_cast<std::size_t>(worker)];
+          of_worker = std::max(of_worker, largest);
+        });
+    return *std::max_element(own.sums.begin(), own.sums.end());
   }
 };
 

@@ -145,6 +145,7 @@ void ContactBlock::save(ByteWriter& out) const {
 
 void ContactBlock::load(ByteReader& in) {
   impl_->contacts.clear();
+  impl_->briefs_are_old = true;
   impl_->by_body.outdate();
   impl_->gone = false;
   impl_->changed.clear();
@@ -189,6 +190,7 @@ bool ContactBlock::assign(const ConstraintBlock& source) {
   const Impl& from = *other->impl_;
   m.contacts = from.contacts;
   m.gone = from.gone;
+  m.briefs_are_old = true;
   m.by_body.outdate();
   m.changed = from.changed;
   m.options = from.options;

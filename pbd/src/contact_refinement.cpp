@@ -21,6 +21,9 @@ constexpr double kMaxSubsteps = 32.0;
 /// can fall.
 constexpr double kStanding = 0.5;
 
+/// Contacts given to a worker at a time.
+constexpr std::size_t kShareGrain = 256;
+
 /// Substeps come doubled: those that an island gets that wants this many.
 int rounded_up(double wanted, int least) {
   int substeps = least;
@@ -30,11 +33,31 @@ int rounded_up(double wanted, int least) {
 
 }  // namespace
 
+ContactRefinement::Share ContactRefinement::share_of(const Contact& contact,
+                                                     const SubstepContext& ctx) {
+  const double gravity = gravity_of(ctx);
+  const double topples = ctx.gravity.norm();  // what floats does not
+  const std::uint32_t a = contact.manifold.body_a;
+  const std::uint32_t b = contact.manifold.body_b;
+  const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
+  const SolverBody& body = ctx.bodies[movable];
+  if (body.group == SolverBody::kNoGroup) return {.island = BodyId::kNone};
+  const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
+  const double load = contact.impulse / ctx.h;  // N, mean of the step
+  Share share{.island = body.island,
+              .ratio2 = load * load * lightness * lightness / (gravity * gravity)};
+  // What cannot turn does not topple.
+  if (!body.turns_freely && body.inv_inertia_w.isZero(0.0)) return share;
+  const ManifoldPoint& point = contact.manifold.points[0];
+  const double arm = movable == a ? point.anchor_a_l.norm() + contact.manifold.radius_a
+                                  : point.anchor_b_l.norm() + contact.manifold.radius_b;
+  share.for_size = ctx.h / (kFallShare * std::sqrt(arm / topples));
+  return share;
+}
+
 int ContactRefinement::want(std::span<const Contact> contacts,
                             std::span<const std::uint32_t> sequence, int budget,
                             const SubstepContext& ctx, std::span<double> wanted) {
-  const double gravity = gravity_of(ctx);
-  const double topples = ctx.gravity.norm();  // what floats does not
   loads_.resize(ctx.bodies.size());
   for (const std::uint32_t i : ctx.movers) loads_[i] = {};
   const std::size_t places = ctx.order.natural() ? ctx.movers.size() : ctx.bodies.size();
@@ -45,24 +68,17 @@ int ContactRefinement::want(std::span<const Contact> contacts,
     island.speed2 += body.v.squaredNorm();
     ++island.bodies;
   }
+  shares_.resize(contacts.size());
+  ctx.workers->for_chunks(contacts.size(), kShareGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) shares_[k] = share_of(contacts[k], ctx);
+  });
   for (std::size_t n = 0; n < contacts.size(); ++n) {
-    const Contact& contact = contacts[sequence.empty() ? n : sequence[n]];
-    const std::uint32_t a = contact.manifold.body_a;
-    const std::uint32_t b = contact.manifold.body_b;
-    const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
-    if (ctx.bodies[movable].group == SolverBody::kNoGroup) continue;
-    Load& island = loads_[ctx.bodies[movable].island];
+    const Share& share = shares_[sequence.empty() ? n : sequence[n]];
+    if (share.island == BodyId::kNone) continue;
+    Load& island = loads_[share.island];
     ++island.contacts;
-    const double lightness = std::max(ctx.bodies[a].inv_mass, ctx.bodies[b].inv_mass);
-    const double load = contact.impulse / ctx.h;  // N, mean of the step
-    island.ratio2 += load * load * lightness * lightness / (gravity * gravity);
-    // What cannot turn does not topple.
-    const SolverBody& body = ctx.bodies[movable];
-    if (!body.turns_freely && body.inv_inertia_w.isZero(0.0)) continue;
-    const ManifoldPoint& point = contact.manifold.points[0];
-    const double arm = movable == a ? point.anchor_a_l.norm() + contact.manifold.radius_a
-                                    : point.anchor_b_l.norm() + contact.manifold.radius_b;
-    island.for_size = std::max(island.for_size, ctx.h / (kFallShare * std::sqrt(arm / topples)));
+    island.ratio2 += share.ratio2;
+    island.for_size = std::max(island.for_size, share.for_size);
   }
   double asked = 0.0;  // rows of all further substeps
   for (const std::uint32_t i : ctx.movers) {

@@ -30,7 +30,16 @@ class ContactRefinement {
     double for_size = 0.0;  ///< substeps that its smallest body wants
     double wanted = 0.0;    ///< substeps
   };
+  /// What a contact adds to its island.
+  struct Share {
+    std::uint32_t island = 0;  ///< BodyId::kNone: it is not awake
+    double ratio2 = 0.0;
+    double for_size = 0.0;
+  };
+  static Share share_of(const Contact& contact, const SubstepContext& ctx);
+
   detail::SparseArray<Load> loads_;  ///< by the index of the island's lowest body
+  std::vector<Share> shares_;        ///< by contact
 };
 
 }  // namespace tandem::pbd

@@ -16,7 +16,7 @@ constexpr std::uint32_t kFixed = SolverBody::kNoGroup - 1;
 
 }  // namespace
 
-std::span<const ContactLink> ContactSupport::arrange(std::span<const Contact> contacts,
+std::span<const ContactLink> ContactSupport::arrange(std::span<const ContactBrief> contacts,
                                                      std::span<const std::uint32_t> sequence,
                                                      std::span<const SolverBody> bodies,
                                                      std::span<const std::uint32_t> movers) {
@@ -35,7 +35,7 @@ std::span<const ContactLink> ContactSupport::arrange(std::span<const Contact> co
   return places_;
 }
 
-void ContactSupport::find_awake(std::span<const Contact> contacts,
+void ContactSupport::find_awake(std::span<const ContactBrief> contacts,
                                 std::span<const std::uint32_t> sequence,
                                 std::span<const SolverBody> bodies,
                                 std::span<const std::uint32_t> movers) {
@@ -46,13 +46,13 @@ void ContactSupport::find_awake(std::span<const Contact> contacts,
   awake_.clear();
   for (std::size_t n = 0; n < contacts.size(); ++n) {
     const auto i = sequence.empty() ? static_cast<std::uint32_t>(n) : sequence[n];
-    const Manifold& m = contacts[i].manifold;
-    const std::uint32_t a = group_[m.body_a];
-    const std::uint32_t b = group_[m.body_b];
+    const ContactBrief& contact = contacts[i];
+    const std::uint32_t a = group_[contact.a];
+    const std::uint32_t b = group_[contact.b];
     const std::uint32_t group = a < kFixed ? a : b;
     if (group >= kFixed) continue;
-    awake_.push_back({i, m.body_a, m.body_b, group, a != kFixed, b != kFixed, m.count > 1,
-                      !(contacts[i].overlap >= 0.0)});
+    awake_.push_back(
+        {i, contact.a, contact.b, group, a != kFixed, b != kFixed, contact.face, contact.is_new});
   }
 }
 

@@ -34,7 +34,7 @@ class ContactSupport {
   /// @param sequence  indices of contacts, the order among equals; empty = as they are
   /// @param movers    see SubstepContext::movers
   /// @return those that are awake. No allocation once the world has had its size.
-  std::span<const ContactLink> arrange(std::span<const Contact> contacts,
+  std::span<const ContactLink> arrange(std::span<const ContactBrief> contacts,
                                        std::span<const std::uint32_t> sequence,
                                        std::span<const SolverBody> bodies,
                                        std::span<const std::uint32_t> movers);
@@ -42,7 +42,7 @@ class ContactSupport {
   std::uint32_t distance(std::uint32_t body) const { return distance_[body]; }
 
  private:
-  void find_awake(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence,
+  void find_awake(std::span<const ContactBrief> contacts, std::span<const std::uint32_t> sequence,
                   std::span<const SolverBody> bodies, std::span<const std::uint32_t> movers);
   void link(std::span<const std::uint32_t> movers);
   /// @return the largest distance

@@ -13,8 +13,14 @@ namespace tandem::pbd {
 namespace {
 
 /// Islands of one level are solved group by group, of so many bodies where they are small enough:
-/// what four substeps read again and again stays in the processor's second cache.
-constexpr std::size_t kMaxBodies = 1024;
+/// what four substeps read again and again stays in the processor's second cache, and each worker
+/// finds groups to solve.
+constexpr std::size_t kMaxBodies = 512;
+/// An island of more bodies has a group of its own.
+constexpr std::size_t kLargeIsland = 128;
+
+/// Bodies given to a worker at a time.
+constexpr std::size_t kGrain = 256;
 
 /// Steps in a row that must have been easy before an island gets fewer substeps again.
 constexpr int kCalmSteps = 8;
@@ -163,15 +169,17 @@ void Groups::form_groups(const Rule& rule, const Islands& islands, const PropsTa
       // An island that goes on in another world is solved there in the group of the same number.
       const bool whole = rule.coupling != nullptr;
       const bool joined = !whole && joined_[i] != 0;
+      const bool large = !whole && islands_[i].bodies > kLargeIsland;
       const bool full =
           open == count || (!whole && groups_[open].size + islands_[i].bodies > kMaxBodies);
       std::size_t group = open;
-      if (joined || full) {
+      if (joined || large || full) {
         group = groups_.size();
         groups_.push_back({.level = level, .substeps = rule.substeps << level, .joined = joined});
-        if (!joined) open = group;
+        if (!joined && !large) open = group;
       }
       groups_[group].size += islands_[i].bodies;
+      ++groups_[group].islands;
       group_of_[i] = static_cast<std::uint32_t>(group);
     }
   }
@@ -179,6 +187,27 @@ void Groups::form_groups(const Rule& rule, const Islands& islands, const PropsTa
   for (Group& group : groups_) {
     group.share =
         static_cast<double>(group.bodies.size()) / static_cast<double>(in_level[group.level]);
+  }
+}
+
+void Groups::note_apart(const ConstraintEdges& edges, bool any_driven,
+                        std::span<const SolverBody> bodies) {
+  const auto group_of = [&](std::uint32_t i) -> Group* {
+    const bool solved = i != BodyId::kNone && bodies[i].group != SolverBody::kNoGroup;
+    return solved ? &groups_[bodies[i].group] : nullptr;
+  };
+  const auto drives = [&](std::uint32_t i) {
+    return i != BodyId::kNone && bodies[i].inv_mass == 0.0 && moves(bodies[i]);
+  };
+  for (const ConstraintEdge& edge : edges.of_single_groups()) {
+    for (const std::uint32_t i : {edge.body_a, edge.body_b}) {
+      if (Group* group = group_of(i)) group->alone = true;
+    }
+  }
+  if (!any_driven) return;
+  for (const ConstraintEdge& edge : edges.all()) {
+    if (Group* group = group_of(edge.body_a); group && drives(edge.body_b)) group->driven = true;
+    if (Group* group = group_of(edge.body_b); group && drives(edge.body_a)) group->driven = true;
   }
 }
 
@@ -218,7 +247,7 @@ static double spin_of(const BodyProps& body, const Groups::Rule& rule) {
   return body.sleep_spin.value_or(rule.sleep_spin);
 }
 
-void Groups::settle(const Rule& rule, double dt, const Islands& islands,
+void Groups::settle(const Rule& rule, double dt, Workers& workers, const Islands& islands,
                     std::span<const ConstraintEdge> edges, std::span<const double> wanted,
                     std::span<const BodyState> before, const PropsTable& props,
                     std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
@@ -237,12 +266,17 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     return dv.norm() < share * speed_of(props[i], rule) &&
            dw.norm() < share * spin_of(props[i], rule);
   };
+  const auto for_movers = [&](auto&& visit) {
+    workers.for_chunks(movers_.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
+      for (std::size_t k = begin; k < end; ++k) visit(movers_[k]);
+    });
+  };
   // By its places, as what trembles moves nothing: pushed out of an overlap and falling back within
   // each step it would have a speed.
-  for (const std::uint32_t i : movers_) {
-    if (bodies[i].group == SolverBody::kNoGroup) continue;
-    IslandPart& island = islands_[islands.of()[i]];
-    island.wanted = std::max(island.wanted, wanted[i]);
+  rest_.resize(bodies.size());
+  for_movers([&](std::uint32_t i) {
+    rest_[i] = Rest::None;
+    if (bodies[i].group == SolverBody::kNoGroup) return;
     BodyActivity& own = activity[i];
     const double way = speed_of(props[i], rule) * rule.sleep_after;
     const double turn = spin_of(props[i], rule) * rule.sleep_after;
@@ -254,12 +288,18 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
     } else {
       own.stir();
     }
-    if (is_copy(copies, i)) continue;
-    island.sleepy = island.sleepy && props[i].can_sleep && own.low_speed_time >= rule.sleep_after;
+    const bool sleepy = props[i].can_sleep && own.low_speed_time >= rule.sleep_after;
+    rest_[i] = sleepy || is_copy(copies, i) ? Rest::Sleepy : Rest::Stirs;
+  });
+  for (const std::uint32_t i : movers_) {
+    if (rest_[i] == Rest::None) continue;
+    IslandPart& island = islands_[islands.of()[i]];
+    island.wanted = std::max(island.wanted, wanted[i]);
+    island.sleepy = island.sleepy && rest_[i] == Rest::Sleepy;
   }
   if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
-  for (const std::uint32_t i : movers_) {
-    if (bodies[i].group == SolverBody::kNoGroup) continue;
+  for_movers([&](std::uint32_t i) {
+    if (rest_[i] == Rest::None) return;
     const IslandPart& island = islands_[islands.of()[i]];
     const std::uint8_t island_level = levels_[islands.of()[i]];
     std::uint8_t level = 0;
@@ -271,11 +311,11 @@ void Groups::settle(const Rule& rule, double dt, const Islands& islands,
       activity[i].level = static_cast<std::uint8_t>(island_level - 1);
       activity[i].steps_at_lower_level = 0;
     }
-    if (rule.sleep_after == 0.0 || !island.sleepy || !island.held || island.driven) continue;
+    if (rule.sleep_after == 0.0 || !island.sleepy || !island.held || island.driven) return;
     activity[i].asleep = true;
     bodies[i].v.setZero();
     bodies[i].w.setZero();
-  }
+  });
 }
 
 void Groups::disturb(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies) {

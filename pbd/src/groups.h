@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "constraint_edges.h"
 #include "islands.h"
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/constraint.h"
@@ -14,6 +15,7 @@
 #include "tandem/pbd/pose_target.h"
 #include "tandem/pbd/props_table.h"
 #include "tandem/pbd/sparse_array.h"
+#include "tandem/pbd/workers.h"
 
 namespace tandem::pbd {
 
@@ -21,9 +23,12 @@ namespace tandem::pbd {
 struct Group {
   std::uint8_t level = 0;
   int substeps = 0;
-  double share = 1.0;    ///< of all bodies of the level
+  double share = 1.0;  ///< of all bodies of the level
+  int islands = 0;
   bool locked = false;   ///< some body has a locked axis
   bool joined = false;   ///< one island, where joints and later rows share bodies
+  bool driven = false;   ///< something immovable that moves is in touch with it
+  bool alone = false;    ///< some row is of a block that is asked for one group at a time
   std::size_t size = 0;  ///< while it is formed
   std::span<const std::uint32_t> bodies;
 };
@@ -50,12 +55,16 @@ class Groups {
                std::span<const std::uint32_t> changed, std::span<const ConstraintEdge> edges,
                std::span<const PoseTarget> targets, const PropsTable& props,
                std::span<BodyActivity> activity, std::span<SolverBody> bodies);
+  /// Which groups are driven, and which ones are solved alone.
+  /// @param any_driven  whether something immovable moves
+  void note_apart(const ConstraintEdges& edges, bool any_driven,
+                  std::span<const SolverBody> bodies);
   std::span<const Group> all() const { return groups_; }
 
   /// After the step: levels for the next one, and who falls asleep.
   /// @param wanted  by body: substeps that its rows ask for
   /// @param before  by body: where the step began
-  void settle(const Rule& rule, double dt, const Islands& islands,
+  void settle(const Rule& rule, double dt, Workers& workers, const Islands& islands,
               std::span<const ConstraintEdge> edges, std::span<const double> wanted,
               std::span<const BodyState> before, const PropsTable& props,
               std::span<BodyActivity> activity, std::span<SolverBody> bodies);
@@ -81,6 +90,9 @@ class Groups {
 
   std::span<const std::uint32_t> movers_;  ///< of this step; what else is in the lists is not read
   bool any_joined_ = false;                ///< of joined_
+  /// By mover, of settle().
+  enum class Rest : std::uint8_t { None, Stirs, Sleepy };
+  detail::SparseArray<Rest> rest_;
   detail::SparseArray<IslandPart> islands_;  ///< by the index of the lowest body
   /// Likewise: the mean of its bodies' levels, rounded. A few refined bodies that fall on a heap do
   /// not refine the heap.

@@ -6,6 +6,7 @@
 
 #include "body_buffer.h"
 #include "constraint_edges.h"
+#include "group_pass.h"
 #include "groups.h"
 #include "islands.h"
 #include "stage_clock.h"
@@ -16,10 +17,15 @@
 
 namespace tandem::pbd {
 
-/// The step: what it does in which order is in solver.cpp, the stages are in solver_stages.cpp.
+/// The step: what it does in which order is in solver.cpp, the stages of a substep are in
+/// group_pass.cpp, the others in solver_stages.cpp.
 class __attribute__((visibility("hidden"))) Solver::Impl {
  public:
-  explicit Impl(const SolverOptions& options) : options_(options), workers_(options.threads) {}
+  explicit Impl(const SolverOptions& options)
+      : options_(options),
+        workers_(options.threads),
+        passes_(static_cast<std::size_t>(options.threads)),
+        clocks_(static_cast<std::size_t>(options.threads)) {}
   const SolverOptions& options() const { return options_; }
   const StepReport& report() const { return report_; }
 
@@ -28,22 +34,14 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   const StepReport& refuse();
 
  private:
-  /// Bodies given to a worker at a time.
-  static constexpr std::size_t kBodyGrain = 256;
-
   // Stages.
   void begin_step(World& world, double dt);
-  void begin_group(std::uint32_t group);
-  void begin_substep(int i);
-  /// Velocities to the end of the substep; poses only of bodies whose rows project them.
-  void integrate();
-  void project();
-  void advance_poses();
-  /// Before the contact velocity pass, so that contacts can veto it.
-  void agree_velocities();
-  void solve_velocities();
-  /// Displacements, not velocities: targets pull, joints follow, contacts hold.
-  void agree();
+  /// Which groups are solved at once, and which ones in turn.
+  void begin_groups();
+  /// All substeps of a group.
+  void solve(GroupPass& pass, std::uint32_t group);
+  void end_tasks();
+  void end_groups();
   void end_step();
 
   // Parts of stages.
@@ -55,51 +53,16 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   void arrange_groups();
   Groups::Rule group_rule() const;
   void list_parts();
-  void project_joints();
-  /// How often joints and contacts take turns in a substep. Where contacts hit what joints hold,
-  /// one turn leaves most of the blow to the substeps to come: a doll that falls on its feet
-  /// from 1.2 m opens its joints by 9 cm in single turns and gains 142 of 1512 J in a step, in 8 by
-  /// 1 cm and 4 J (tests/scene/ragdoll_test.cpp).
-  struct Turns {
-    int least = 1, most = 1;
-  };
-  Turns joint_turns() const;
-  /// Sweep blocks before contacts, there and back, until no row asks for more. A set of joints is
-  /// solved as one and says when it holds; what rows that are swept in turns leave comes back in
-  /// each substep, as an acceleration: two hands hold 1 kg 0.8 % too low where sweeps stop at the
-  /// tolerance itself.
-  /// @param project  of a block: the largest move that a row asked for, m
-  void until_joints_hold(auto&& project) {
-    if (!rows_.project) return;
-    constexpr double kSwept = 0.02;  // of the tolerance
-    const bool reverse = context_.reverse;
-    for (int i = 0; i < options_.joint_iterations; ++i) {
-      double largest = 0.0;
-      for_blocks([&](ConstraintBlock& block) {
-        if (!is_last(block)) largest = std::max(largest, project(block));
-      });
-      if (largest <= kSwept * options_.joint_tolerance) break;
-      context_.reverse = !context_.reverse;
-    }
-    context_.reverse = reverse;
-  }
+  bool is_task(const Group& group) const;
+  void note_outcome(const GroupPass::Outcome& outcome);
   void note_new_overlaps();
   void note_gaps();
-  void restore_locked_bodies(const Group& group);
   /// Nothing tunnels: bodies that would get through something stop on their way.
   void limit_motion();
   void for_blocks(auto&& visit) {
     for (const auto& block : world_->blocks_) {
       if (!block->empty()) visit(*block);
     }
-  }
-
-  /// Bodies of the current group, shared out among the workers.
-  void for_group(auto&& visit) {
-    const std::span<const std::uint32_t> list = group_->bodies;
-    workers_.for_chunks(list.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
-      for (std::size_t k = begin; k < end; ++k) visit(bodies_[list[k]], list[k]);
-    });
   }
 
   SolverOptions options_;
@@ -118,9 +81,16 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   } rows_;
   Groups groups_;
   ConstraintEdges edges_;
-  std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
-  detail::SparseArray<double> wanted_;  ///< by body: substeps that rows ask for
-  const Group* group_ = nullptr;        ///< the one being solved
+  std::vector<std::uint32_t> changed_;     ///< bodies whose rows were changed
+  detail::SparseArray<double> wanted_;     ///< by body: substeps that rows ask for
+  std::vector<std::uint32_t> tasks_;       ///< groups that are solved at once, the largest first
+  std::vector<std::uint32_t> in_turn_;     ///< the others
+  std::vector<GroupFacts> group_facts_;
+  std::vector<ConsensusEnergy> energies_;  ///< by group
+  Workers nobody_;                         ///< shares the stages of a task
+  GroupPass shared_pass_;                  ///< of groups that are solved in turn
+  std::vector<GroupPass> passes_;          ///< by worker, of tasks
+  std::vector<StageClock> clocks_;         ///< likewise
   std::vector<Manifold> manifolds_;
   struct {
     detail::SparseArray<Pose> after;  ///< by slot, of movers

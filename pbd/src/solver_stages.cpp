@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "contact_row.h"
-#include "contact_rows.h"
 #include "integrate.h"
 #include "solver_impl.h"
 #include "tandem/pbd/contact.h"
@@ -15,14 +14,8 @@
 namespace tandem::pbd {
 namespace {
 
-/// Whether contacts have changed the speed of something on joints by much.
-bool joints_are_hit(std::span<const std::uint32_t> group, std::span<const SolverBody> bodies) {
-  constexpr double kBlow = 0.3;  // m/s
-  return std::any_of(group.begin(), group.end(), [&](std::uint32_t i) {
-    const SolverBody& body = bodies[i];
-    return body.projected && (body.v - body.v_applied).squaredNorm() > kBlow * kBlow;
-  });
-}
+/// Manifolds given to a worker at a time.
+constexpr std::size_t kManifoldGrain = 256;
 
 // Not-a-number never enters a world, whoever made the target or the manifold.
 
@@ -66,7 +59,9 @@ void Solver::Impl::begin_step(World& world, double dt) {
               .substeps = options_.substeps,
               .joint_tolerance = options_.joint_tolerance,
               .gravity = world.gravity_,
+              .groups = group_facts_,
               .workers = &workers_,
+              .team = workers_.count(),
               .order = world.order(),
               .shared = !targets_.empty(),
               .displaced = world.displaced_};
@@ -77,115 +72,71 @@ void Solver::Impl::begin_step(World& world, double dt) {
   end_stage(Stage::Begin);
 }
 
-void Solver::Impl::begin_group(std::uint32_t group) {
-  group_ = &groups_.all()[group];
-  context_.group = group;
-  context_.members = group_->bodies;
-  context_.share_of_budget = group_->share;
-  context_.substeps = group_->substeps;
-  context_.h = dt_ / group_->substeps;
-  if (group > 0) bodies_.rewind_kinematic(*world_);
-  if (context_.shared) targets_.select_group(*group_, bodies_.all());
-  report_.substeps = std::max(report_.substeps, group_->substeps);
-}
-
-void Solver::Impl::begin_substep(int i) {
-  context_.substep = i;
-  context_.last = i + 1 == context_.substeps;
-  context_.reverse = (i % 2) == 1;
-  if (rows_.project) {
-    for_group([&](SolverBody&, std::uint32_t slot) {
-      bodies_.renew_inertia(slot, world_->props_[slot]);
-    });
+void Solver::Impl::begin_groups() {
+  const std::span<const Group> groups = groups_.all();
+  energies_.assign(groups.size(), {});
+  tasks_.clear();
+  in_turn_.clear();
+  for (std::uint32_t g = 0; g < groups.size(); ++g) {
+    (is_task(groups[g]) ? tasks_ : in_turn_).push_back(g);
   }
-  for_blocks([&](ConstraintBlock& block) { block.begin_substep(context_); });
-  clock_.stop(Stage::Begin);
-}
-
-void Solver::Impl::integrate() {
-  const double h = context_.h;
-  for_group([&](SolverBody& body, std::uint32_t i) {
-    const Wrench* wrench = world_->wrenches_.empty() ? nullptr : &world_->wrenches_[i];
-    integrate_velocity(body, world_->props_[i], wrench, context_.gravity, h);
-  });
-  bodies_.move_kinematic(h);
-  end_stage(Stage::Integrate);
-}
-
-void Solver::Impl::project() {
-  if (!rows_.any) return;
-  for_blocks([&](ConstraintBlock& block) { block.warm_start(context_); });
-  const Turns turns = joint_turns();
-  for (int i = 0; i < turns.most; ++i) {
-    context_.iteration = i;
-    if (rows_.project) project_joints();
-    if (turns.most > 1)
-      for_blocks([&](ConstraintBlock& block) { block.finish_projection(context_); });
-    for_blocks([&](ConstraintBlock& block) {
-      if (is_last(block)) block.project(context_);
-    });
-    if (i + 1 < turns.most && i + 1 >= turns.least &&
-        !joints_are_hit(group_->bodies, bodies_.all()))
-      break;
+  const auto work = [&](std::uint32_t g) { return groups[g].bodies.size() * groups[g].substeps; };
+  std::stable_sort(tasks_.begin(), tasks_.end(),
+                   [&](std::uint32_t l, std::uint32_t r) { return work(l) > work(r); });
+  const PassStep step{.options = &options_,
+                      .bodies = &bodies_,
+                      .targets = &targets_,
+                      .blocks = world_->blocks_,
+                      .props = &world_->props_,
+                      .states = world_->states_,
+                      .wrenches = world_->wrenches_,
+                      .corrections = world_->corrections_,
+                      .dt = dt_,
+                      .any_rows = rows_.any,
+                      .any_joints = rows_.project,
+                      .context = context_};
+  shared_pass_.begin_step(step, 0, workers_, false, clock_);
+  for (int w = 0; !tasks_.empty() && w < workers_.count(); ++w) {
+    clocks_[w].start(options_.measure_stages, nullptr);
+    passes_[w].begin_step(step, w, nobody_, true, clocks_[w]);
   }
-  end_stage(Stage::Project);
 }
 
-void Solver::Impl::advance_poses() {
-  const double h = context_.h;
-  const bool locked = group_->locked;
-  for_group([&](SolverBody& body, std::uint32_t i) {
-    const BodyProps& props = world_->props_[i];
-    if (locked) enforce_locks(body, props.locks);
-    advance_pose(body, props, h);
-    if (rows_.project && body.reoriented) bodies_.keep_inertia(i);
-    if (locked) restore_locked(body, props.locks, world_->states_[i].pose.position);
-  });
-  clock_.stop(Stage::Integrate);
+/// A group is a task of one worker where there are enough others for the rest. All that it reads or
+/// writes is its own then, so that it does not matter which ones are.
+bool Solver::Impl::is_task(const Group& group) const {
+  const auto workers = static_cast<std::size_t>(workers_.count());
+  return getenv("NOTASK") == nullptr && workers > 1 && options_.observer == nullptr &&
+         world_->island_coupling_ == nullptr && !group.driven && !group.alone &&
+         workers * group.bodies.size() <= static_cast<std::size_t>(report_.awake);
 }
 
-void Solver::Impl::agree_velocities() {
-  if (targets_.empty()) return;
-  targets_.agree_velocities(bodies_.all(), world_->props_, world_->corrections_, context_.h,
-                            report_.energy);
+void Solver::Impl::end_tasks() {
+  if (tasks_.empty()) return;
+  clock_.share_out(clocks_);
+  for (const GroupPass& pass : passes_) note_outcome(pass.outcome());
 }
 
-void Solver::Impl::solve_velocities() {
-  if (!rows_.any && targets_.empty()) return;
-  const bool reverse = context_.reverse;
-  for (int i = 0; i < options_.velocity_iterations; ++i) {
-    double change = 0.0;
-    context_.reverse = (context_.substep + i) % 2 == 0;
-    for_blocks(
-        [&](ConstraintBlock& block) { change = std::max(change, block.solve_velocity(context_)); });
-    ++report_.velocity_iterations;
-    if (change <= options_.velocity_tolerance) break;
+void Solver::Impl::end_groups() {
+  if (!in_turn_.empty()) note_outcome(shared_pass_.outcome());
+  for (const ConsensusEnergy& energy : energies_) {
+    report_.energy.velocity_agreement += energy.velocity_agreement;
+    report_.energy.potential += energy.potential;
+    report_.energy.displacement += energy.displacement;
   }
-  context_.reverse = reverse;
-  for_blocks([&](ConstraintBlock& block) { block.finish_velocity(context_); });
-  if (group_->locked) {
-    for_group(
-        [&](SolverBody& body, std::uint32_t i) { enforce_locks(body, world_->props_[i].locks); });
-  }
-  end_stage(Stage::Velocity);
+  if (groups_.all().empty() || !bodies_.any_moving()) return;
+  // Whatever groups have seen of them, they are at the end of the step now.
+  bodies_.rewind_kinematic(world_->states_);
+  const int substeps = groups_.all().back().substeps;
+  for (int i = 0; i < substeps; ++i) bodies_.move_kinematic(dt_ / substeps);
 }
 
-void Solver::Impl::agree() {
-  if (!context_.shared || !targets_.selected()) return;
-  targets_.begin(bodies_.all());
-  for_blocks([&](ConstraintBlock& block) { block.begin_displacement(context_); });
-  targets_.pull(bodies_.all(), world_->props_, context_.h * (context_.substep + 1));
-  until_joints_hold([&](ConstraintBlock& block) { return block.project_displacement(context_); });
-  targets_.to_velocities(bodies_.all(), context_.h);
-  for_blocks([&](ConstraintBlock& block) {
-    if (is_last(block)) block.project_displacement(context_);
-  });
-  targets_.to_poses(bodies_.all(), context_.h);
-  restore_locked_bodies(*group_);
-  for_blocks([&](ConstraintBlock& block) { block.end_displacement(context_); });
-  targets_.end(bodies_.all(), world_->props_, world_->corrections_, context_.gravity,
-               report_.energy);
-  end_stage(Stage::Agree);
+void Solver::Impl::note_outcome(const GroupPass::Outcome& outcome) {
+  report_.substeps = std::max(report_.substeps, outcome.substeps);
+  report_.velocity_iterations += outcome.velocity_iterations;
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    report_.ran[i] = report_.ran[i] || outcome.ran[i];
+  }
 }
 
 void Solver::Impl::end_step() {
@@ -198,10 +149,10 @@ void Solver::Impl::end_step() {
   for_blocks([&](ConstraintBlock& block) { block.end_step(context, wanted); });
   // What rows did in this step decides who rests; a world that sleeps does not ask.
   if (options_.sleep_after > 0.0 && !groups_.all().empty()) edges_.list(*world_);
-  groups_.settle(group_rule(), dt_, islands_, edges_.all(), wanted_, world_->states_,
+  groups_.settle(group_rule(), dt_, workers_, islands_, edges_.all(), wanted_, world_->states_,
                  world_->props_, world_->activity_, bodies_.all());
   limit_motion();
-  bodies_.store(*world_, dt_, groups_.all(), report_);
+  bodies_.store(*world_, dt_, groups_.all(), workers_, report_);
   world_->wrenches_.clear();
   const bool still = groups_.all().empty() && !bodies_.any_moving();
   bodies_.note_rest(*world_, dt_, still,
@@ -216,39 +167,6 @@ void Solver::Impl::end_step() {
 }
 
 // --- parts of stages ----------------------------------------------------------------------------
-
-void Solver::Impl::project_joints() {
-  const double h = context_.h;
-  for_group([&](SolverBody& body, std::uint32_t i) {
-    if (!body.projected) return;
-    follow_velocity(body, h);
-    refresh_inertia(body, world_->props_[i]);
-  });
-  until_joints_hold([&](ConstraintBlock& block) { return block.project(context_); });
-  for_group([&](SolverBody& body, std::uint32_t i) {
-    if (!body.projected) return;
-    absorb_corrections(body, world_->props_[i], h);
-    if (body.pushed) bodies_.restore_inertia(i);
-  });
-}
-
-Solver::Impl::Turns Solver::Impl::joint_turns() const {
-  constexpr int kMaxTurns = 8;
-  constexpr double kPart = 6.0;  // see ContactOptions::extra_rows
-  const int asked = options_.position_iterations;
-  if (!group_->joined || !options_.refine) return {asked, asked};
-  const double budget = group_->share * options_.contact.extra_rows / (kPart * context_.substeps);
-  const double bodies = static_cast<double>(group_->bodies.size());
-  const int most = std::min(kMaxTurns, 1 + static_cast<int>(budget / bodies));
-  return {asked, std::max(asked, most)};
-}
-
-void Solver::Impl::restore_locked_bodies(const Group& group) {
-  if (!group.locked) return;
-  for (const std::uint32_t i : group.bodies) {
-    restore_locked(bodies_[i], world_->props_[i].locks, world_->states_[i].pose.position);
-  }
-}
 
 void Solver::Impl::reset_report() {
   report_.status = StepStatus::Ok;
@@ -291,10 +209,17 @@ void Solver::Impl::detect() {
   manifolds_.clear();  // without a source, what it said last is over
   if (world_->contact_source_ != nullptr) {
     world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
-    std::erase_if(manifolds_, [&](const Manifold& m) { return !usable(m, *world_); });
+    const auto any_unusable = [&](std::size_t begin, std::size_t end) {
+      return !std::all_of(manifolds_.begin() + static_cast<std::ptrdiff_t>(begin),
+                          manifolds_.begin() + static_cast<std::ptrdiff_t>(end),
+                          [&](const Manifold& m) { return usable(m, *world_); });
+    };
+    if (workers_.any_chunk(manifolds_.size(), kManifoldGrain, any_unusable)) {
+      std::erase_if(manifolds_, [&](const Manifold& m) { return !usable(m, *world_); });
+    }
   }
   world_->contacts_->configure(options_.contact);
-  world_->contacts_->set_manifolds(manifolds_);
+  world_->contacts_->set_manifolds(manifolds_, workers_);
 }
 
 void Solver::Impl::collect_targets() {
@@ -331,8 +256,13 @@ void Solver::Impl::arrange_groups() {
   note_new_overlaps();
   groups_.arrange(group_rule(), islands_, bodies_.movers(), changed_, edges_.all(), pose_targets_,
                   world_->props_, world_->activity_, bodies_.all());
+  groups_.note_apart(edges_, bodies_.any_moving(), bodies_.all());
   if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.movers(), bodies_.all());
   report_.groups = static_cast<int>(groups_.all().size());
+  group_facts_.clear();
+  for (const Group& group : groups_.all()) {
+    group_facts_.push_back({.substeps = group.substeps, .one_island = group.islands == 1});
+  }
   report_.awake = 0;
   for (const Group& group : groups_.all()) report_.awake += static_cast<int>(group.bodies.size());
   rows_.project = false;
@@ -347,9 +277,10 @@ void Solver::Impl::arrange_groups() {
 /// A collider or a filter may have changed between bodies that sleep.
 void Solver::Impl::note_new_overlaps() {
   if (world_->contacts_ == nullptr) return;
-  for (const Contact& contact : world_->contacts_->contacts()) {
-    const Manifold& m = contact.manifold;
-    if (contact.overlap >= 0.0) continue;  // it is not new
+  const std::span<const ContactBrief> briefs = world_->contacts_->briefs();
+  for (std::size_t k = 0; k < briefs.size(); ++k) {
+    if (!briefs[k].is_new) continue;
+    const Manifold& m = world_->contacts_->contacts()[k].manifold;
     for (int i = 0; i < m.count; ++i) {
       if (gap_of(m, bodies_[m.body_a], bodies_[m.body_b], i) >= 0.0) continue;
       changed_.push_back(m.body_a);
@@ -370,7 +301,9 @@ Groups::Rule Solver::Impl::group_rule() const {
 void Solver::Impl::limit_motion() {
   if (world_->contact_source_ == nullptr || groups_.all().empty()) return;
   motion_.after.resize(bodies_.size());
-  for (const std::uint32_t i : bodies_.movers()) motion_.after[i] = {bodies_[i].x, bodies_[i].q};
+  bodies_.for_movers(workers_, [&](std::uint32_t i, const SolverBody& body) {
+    motion_.after[i] = {body.x, body.q};
+  });
   world_->contact_source_->limit_motion(*world_, motion_.after, workers_, motion_.limits);
   for (const MotionLimit& limit : motion_.limits) {
     if (limit.body >= bodies_.size()) continue;

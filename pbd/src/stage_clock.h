@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <span>
 
 #include "tandem/pbd/report.h"
 #include "tandem/pbd/stage_observer.h"
@@ -24,6 +25,25 @@ class StageClock {
     const auto now = std::chrono::steady_clock::now();
     seconds_[static_cast<std::size_t>(stage)] += std::chrono::duration<double>(now - last_).count();
     if (observer_ != nullptr) observer_->on_stage(stage, last_, now);
+    last_ = now;
+  }
+  /// The time since the last call goes to stages as that of these clocks does, which have run beside
+  /// each other.
+  void share_out(std::span<const StageClock> clocks) {
+    if (!enabled_) return;
+    std::array<double, kStageCount> seconds{};
+    double sum = 0.0;
+    for (const StageClock& clock : clocks) {
+      for (std::size_t i = 0; i < kStageCount; ++i) {
+        seconds[i] += clock.seconds_[i];
+        sum += clock.seconds_[i];
+      }
+    }
+    const auto now = std::chrono::steady_clock::now();
+    const double all = std::chrono::duration<double>(now - last_).count();
+    for (std::size_t i = 0; i < kStageCount && sum > 0.0; ++i) {
+      seconds_[i] += all * seconds[i] / sum;
+    }
     last_ = now;
   }
   const std::array<double, kStageCount>& seconds() const { return seconds_; }

@@ -75,6 +75,7 @@ void Targets::mark_gaps(std::span<const ConstraintEdge> joints,
   closes_gaps_ = true;
   sets_.build(joints, movers, bodies);
   const std::span<const std::uint32_t> set_of = sets_.of();
+  excess_.resize(bodies.size());
   if (rows_.empty()) row_of_.assign(bodies.size(), BodyId::kNone);
   marked_.assign(bodies.size(), 0);
   for (const std::uint32_t i : movers) {
@@ -94,24 +95,25 @@ void Targets::mark_gaps(std::span<const ConstraintEdge> joints,
   }
 }
 
-void Targets::select_group(const Group& group, std::span<const SolverBody> bodies) {
-  in_group_.clear();
+void GroupTargets::select(Targets& all, const Group& group, std::span<const SolverBody> bodies) {
+  all_ = &all;
+  rows_.clear();
   saved_.clear();
   for (const std::uint32_t i : group.bodies) {
     if (bodies[i].shared) saved_.emplace_back().body = i;
-    if (row_of_[i] != BodyId::kNone) in_group_.push_back(row_of_[i]);
+    if (all.row_of_[i] != BodyId::kNone) rows_.push_back(all.row_of_[i]);
   }
-  std::sort(in_group_.begin(), in_group_.end());
-  for (const std::uint32_t k : in_group_) {
-    rows_[k].share = share_of_times(rows_[k].step_share, 1.0 / group.substeps);
+  std::sort(rows_.begin(), rows_.end());
+  for (const std::uint32_t k : rows_) {
+    all.rows_[k].share = share_of_times(all.rows_[k].step_share, 1.0 / group.substeps);
   }
 }
 
-void Targets::agree_velocities(std::span<SolverBody> bodies, const PropsTable& props,
-                               std::span<Correction> corrections, double h,
-                               ConsensusEnergy& energy) {
-  for (const std::uint32_t k : in_group_) {
-    Row& row = rows_[k];
+void GroupTargets::agree_velocities(std::span<SolverBody> bodies, const PropsTable& props,
+                                    std::span<Correction> corrections, double h,
+                                    ConsensusEnergy& energy) {
+  for (const std::uint32_t k : rows_) {
+    Targets::Row& row = all_->rows_[k];
     SolverBody& body = bodies[row.body];
     row.e_x += h * row.e_v;
     row.e_q += h * row.e_w;
@@ -134,7 +136,7 @@ void Targets::agree_velocities(std::span<SolverBody> bodies, const PropsTable& p
   }
 }
 
-void Targets::begin(std::span<const SolverBody> bodies) {
+void GroupTargets::begin(std::span<const SolverBody> bodies) {
   for (Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];
     saved.x = body.x;
@@ -144,9 +146,9 @@ void Targets::begin(std::span<const SolverBody> bodies) {
   }
 }
 
-void Targets::pull(std::span<SolverBody> bodies, const PropsTable& props, double elapsed) {
-  for (const std::uint32_t k : in_group_) {
-    Row& row = rows_[k];
+void GroupTargets::pull(std::span<SolverBody> bodies, const PropsTable& props, double elapsed) {
+  for (const std::uint32_t k : rows_) {
+    Targets::Row& row = all_->rows_[k];
     SolverBody& body = bodies[row.body];
     if (row.motion == TargetMotion::Inertial) {
       row.e_x = row.pose.position + elapsed * row.twist.linear - body.x;
@@ -162,7 +164,7 @@ void Targets::pull(std::span<SolverBody> bodies, const PropsTable& props, double
   }
 }
 
-void Targets::to_velocities(std::span<SolverBody> bodies, double h) {
+void GroupTargets::to_velocities(std::span<SolverBody> bodies, double h) {
   for (const Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
     if (!body.dx.isZero(0.0)) body.v_push = body.dx / h;
@@ -174,25 +176,28 @@ void Targets::to_velocities(std::span<SolverBody> bodies, double h) {
   limit_closing(bodies);
 }
 
-void Targets::limit_closing(std::span<SolverBody> bodies) {
-  if (!closes_gaps_) return;
-  excess_.assign(bodies.size(), 1.0);
+void GroupTargets::limit_closing(std::span<SolverBody> bodies) {
+  if (!all_->closes_gaps_) return;
+  const auto excess_of = [&](const Saved& saved) -> double& {
+    return all_->excess_[all_->sets_.of()[saved.body]];
+  };
+  for (const Saved& saved : saved_) excess_of(saved) = 1.0;
   for (const Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];
     if (body.agreed) continue;
-    double& excess = excess_[sets_.of()[saved.body]];
+    double& excess = excess_of(saved);
     excess =
         std::max({excess, body.v_push.norm() / kClosingSpeed, body.w_push.norm() / kClosingSpin});
   }
   for (const Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
     if (body.agreed) continue;
-    body.v_push /= excess_[sets_.of()[saved.body]];
-    body.w_push /= excess_[sets_.of()[saved.body]];
+    body.v_push /= excess_of(saved);
+    body.w_push /= excess_of(saved);
   }
 }
 
-void Targets::to_poses(std::span<SolverBody> bodies, double h) {
+void GroupTargets::to_poses(std::span<SolverBody> bodies, double h) {
   for (Saved& saved : saved_) {
     SolverBody& body = bodies[saved.body];
     body.x = saved.x + h * body.v_push;
@@ -203,8 +208,9 @@ void Targets::to_poses(std::span<SolverBody> bodies, double h) {
   }
 }
 
-void Targets::end(std::span<const SolverBody> bodies, const PropsTable& props,
-                  std::span<Correction> corrections, const Vec3& gravity, ConsensusEnergy& energy) {
+void GroupTargets::end(std::span<const SolverBody> bodies, const PropsTable& props,
+                       std::span<Correction> corrections, const Vec3& gravity,
+                       ConsensusEnergy& energy) {
   for (const Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];
     if (!body.agreed) continue;  // nobody has agreed on anything
@@ -221,8 +227,9 @@ void Targets::end(std::span<const SolverBody> bodies, const PropsTable& props,
       energy.displacement += velocities_only - kinetic_energy(saved.q, known, saved.v, saved.w);
       energy.potential += kinetic_energy(body.q, known, body.v, body.w) - velocities_only;
     }
-    if (row_of_[saved.body] == BodyId::kNone) continue;
-    Row& row = rows_[row_of_[saved.body]];
+    const std::uint32_t k = all_->row_of_[saved.body];
+    if (k == BodyId::kNone) continue;
+    Targets::Row& row = all_->rows_[k];
     row.e_x -= moved;
     row.e_q -= saved.turn;
   }

@@ -40,10 +40,35 @@ class Targets {
   void mark_gaps(std::span<const ConstraintEdge> joints, std::span<const std::uint32_t> movers,
                  std::span<SolverBody> bodies);
 
-  /// The methods below concern the bodies of this group, until the next call.
-  void select_group(const Group& group, std::span<const SolverBody> bodies);
+ private:
+  friend class GroupTargets;
+
+  struct Row {
+    std::uint32_t body = 0;
+    TargetMotion motion = TargetMotion::WithBody;
+    double share = 0.0;       ///< for each substep
+    double step_share = 0.0;  ///< for the whole step
+    Pose pose;                ///< Inertial: where the target is at the start of the step
+    Twist twist;
+    Vec3 e_x = Vec3::Zero();  ///< m, still missing
+    Vec3 e_q = Vec3::Zero();  ///< rad, rotation vector, world
+    Vec3 e_v = Vec3::Zero();  ///< m/s
+    Vec3 e_w = Vec3::Zero();  ///< rad/s
+  };
+  std::vector<Row> rows_;
+  std::vector<std::uint8_t> marked_;  ///< by island, or by set
+  bool closes_gaps_ = false;
+  Islands sets_;                       ///< by joints alone, where one has a gap
+  std::vector<double> excess_;         ///< by set, see GroupTargets::limit_closing()
+  std::vector<std::uint32_t> row_of_;  ///< by body; kNone without
+};
+
+/// Those of a group while it is solved, which others may be at the same time.
+class GroupTargets {
+ public:
+  void select(Targets& all, const Group& group, std::span<const SolverBody> bodies);
   /// Whether some island of the group has a target.
-  bool selected() const { return !saved_.empty(); }
+  bool any() const { return !saved_.empty(); }
 
   /// v += s_n (v_target - v), likewise w. Adds the change of kinetic energy to `energy`. What a
   /// target moves by in the substep is added to what is missing.
@@ -69,18 +94,6 @@ class Targets {
   /// then is gap as well.
   void limit_closing(std::span<SolverBody> bodies);
 
-  struct Row {
-    std::uint32_t body = 0;
-    TargetMotion motion = TargetMotion::WithBody;
-    double share = 0.0;       ///< for each substep
-    double step_share = 0.0;  ///< for the whole step
-    Pose pose;                ///< Inertial: where the target is at the start of the step
-    Twist twist;
-    Vec3 e_x = Vec3::Zero();  ///< m, still missing
-    Vec3 e_q = Vec3::Zero();  ///< rad, rotation vector, world
-    Vec3 e_v = Vec3::Zero();  ///< m/s
-    Vec3 e_w = Vec3::Zero();  ///< rad/s
-  };
   struct Saved {
     std::uint32_t body = 0;
     Vec3 x;
@@ -89,14 +102,9 @@ class Targets {
     Vec3 turn = Vec3::Zero();  ///< rad, world, what it was turned by
   };
 
-  std::vector<Row> rows_;
-  std::vector<std::uint32_t> in_group_;  ///< indices of the selected group's rows
-  std::vector<Saved> saved_;             ///< the selected group's bodies that are displaced
-  std::vector<std::uint8_t> marked_;     ///< by island, or by set
-  bool closes_gaps_ = false;
-  Islands sets_;                       ///< by joints alone, where one has a gap
-  std::vector<double> excess_;         ///< by set, see limit_closing()
-  std::vector<std::uint32_t> row_of_;  ///< by body; kNone without
+  Targets* all_ = nullptr;
+  std::vector<std::uint32_t> rows_;  ///< indices into those of all
+  std::vector<Saved> saved_;         ///< bodies that are displaced
 };
 
 }  // namespace tandem::pbd

@@ -42,7 +42,7 @@ struct Train {
     }
     std::vector<std::uint32_t> movers(bodies.size());
     std::iota(movers.begin(), movers.end(), 0u);
-    order.build(links, bodies.size(), movers);
+    order.build(links, ContactCells(), bodies.size(), movers, 1);
   }
   std::uint32_t count() const { return static_cast<std::uint32_t>(rows.size()); }
   void sweep() {

@@ -4,6 +4,7 @@
 #include "support/catch.h"
 #include "support/toy_contacts.h"
 #include "tandem/pbd/contact.h"
+#include "tandem/pbd/workers.h"
 
 namespace contact_impact_test {
 
@@ -255,10 +256,11 @@ TEST_CASE("contact: forces follow their feature, else the nearest anchor", "[pbd
     return ManifoldPoint{.anchor_b_l = Vec3(x, 0.0, 0.0), .feature = feature};
   };
   // A row with the forces 1, 2, 3, as a snapshot would bring it back.
+  Workers workers;
   const auto block_with_rows = [&] {
     auto block = std::make_unique<ContactBlock>();
     std::vector<Manifold> first{manifold({point(0.0, 10), point(1.0, 11), point(2.0, 12)})};
-    block->set_manifolds(first);
+    block->set_manifolds(first, workers);
     std::vector<std::byte> bytes;
     ByteWriter out(bytes);
     block->save(out);
@@ -281,7 +283,7 @@ TEST_CASE("contact: forces follow their feature, else the nearest anchor", "[pbd
     const auto kept = block_with_rows();
     ContactBlock& block = *kept;
     std::vector<Manifold> next{manifold({point(5.0, 12), point(0.0, 11)})};
-    block.set_manifolds(next);
+    block.set_manifolds(next, workers);
     CHECK(block.contacts()[0].force[0] == 3.0);
     CHECK(block.contacts()[0].force[1] == 2.0);
   }
@@ -289,7 +291,7 @@ TEST_CASE("contact: forces follow their feature, else the nearest anchor", "[pbd
     const auto kept = block_with_rows();
     ContactBlock& block = *kept;
     std::vector<Manifold> next{manifold({point(1.01, 90), point(2.5, 91), point(0.0, 10)})};
-    block.set_manifolds(next);
+    block.set_manifolds(next, workers);
     CHECK(block.contacts()[0].force[0] == 2.0);
     CHECK(block.contacts()[0].force[1] == 0.0);
     CHECK(block.contacts()[0].force[2] == 1.0);
@@ -299,7 +301,7 @@ TEST_CASE("contact: forces follow their feature, else the nearest anchor", "[pbd
     ContactBlock& block = *kept;
     std::vector<Manifold> next{manifold({point(0.0, 10)})};
     next[0].key = 8;
-    block.set_manifolds(next);
+    block.set_manifolds(next, workers);
     CHECK(block.contacts()[0].force[0] == 0.0);
   }
   SECTION("manifolds come sorted by key, whatever the order of detection") {
@@ -307,7 +309,7 @@ TEST_CASE("contact: forces follow their feature, else the nearest anchor", "[pbd
     ContactBlock& block = *kept;
     std::vector<Manifold> next{manifold({point(0.0, 10)}), manifold({point(0.0, 10)})};
     next[0].key = 9;
-    block.set_manifolds(next);
+    block.set_manifolds(next, workers);
     REQUIRE(block.contacts().size() == 2);
     CHECK(block.contacts()[0].manifold.key == 7);
     CHECK(block.contacts()[0].force[0] == 1.0);

@@ -46,7 +46,7 @@ void PartContacts::collect(const pbd::World& world, double dt, pbd::Workers& wor
   pbd::ContactOptions options = options_;
   options.extra_rows = std::min(options.extra_rows, kExtraSweeps * static_cast<int>(seam_rows_));
   seam_.rows().configure(options);
-  seam_.rows().set_manifolds(between_);
+  seam_.rows().set_manifolds(between_, workers);
 }
 
 void PartContacts::take_over(const std::vector<pbd::Manifold>& inside) {

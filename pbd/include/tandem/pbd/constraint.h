@@ -71,6 +71,12 @@ struct alignas(64) TANDEM_API SolverBody {
 /// motion, what the others moved included; poses follow afterwards.
 enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
 
+/// What is known of a group of bodies that are solved together, with the same substeps.
+struct GroupFacts {
+  int substeps = 1;
+  bool one_island = false;
+};
+
 /// What a block is told about the substep.
 struct TANDEM_API SubstepContext {
   /// By slot. Of bodies that cannot move only those are here that a block names in append_edges()
@@ -93,7 +99,12 @@ struct TANDEM_API SubstepContext {
   /// Of the bodies that take as many substeps those of the group: what a budget for all of them has
   /// for it.
   double share_of_budget = 1.0;
+  std::span<const GroupFacts> groups = {};  ///< all of the step
   Workers* workers = nullptr;  ///< may share the work of a verb; never null within a step
+  /// Groups may be solved at once, one by each worker: the worker that has this one. Its scratch is
+  /// nobody else's.
+  int worker = 0;
+  int team = 1;  ///< workers that there are
   /// What is not taken by slot where the outcome depends on it: the order of rows, sums over
   /// bodies.
   BodyOrder order = {};
@@ -189,6 +200,12 @@ class TANDEM_API ConstraintBlock {
   /// `wanted` (by body) for bodies whose rows need more substeps than that: their islands get them
   /// from the next step on. Empty where nothing is refined.
   virtual void end_step(const SubstepContext&, std::span<double> /*wanted*/) {}
+
+  /// Whether verbs between begin_substep and finish_velocity may be called for several groups at
+  /// once, by a worker each. They write nothing then that another group's rows read or write, no
+  /// body that cannot move in particular. Groups with a row of another block are solved one after
+  /// the other.
+  virtual bool groups_at_once() const { return false; }
 
   /// Append an edge for each row that is active, which names every body that it reads or moves.
   virtual void append_edges(std::vector<ConstraintEdge>& /*edges*/) const {}

@@ -71,6 +71,15 @@ struct TANDEM_API Contact {
   }
 };
 
+/// What passes over all contacts ask of each: contacts are seven cache lines.
+struct ContactBrief {
+  std::uint32_t a = 0, b = 0;  ///< bodies
+  bool face = false;           ///< more than one point
+  bool loaded = false;         ///< see Contact::loaded()
+  bool is_new = false;         ///< not there in the last step
+  bool rubs = false;           ///< its friction is above 0
+};
+
 /// All contacts of a world, one for each manifold of the last detection, by ascending key; solved
 /// in the order of their manifolds.
 ///
@@ -93,18 +102,21 @@ class TANDEM_API ContactBlock final : public ConstraintBlock {
 
   /// Take this step's manifolds (any order; left empty) and carry forces over from the contact of
   /// the same pair, point by point: same feature, else nearest anchor.
-  void set_manifolds(std::vector<Manifold>& manifolds);
+  void set_manifolds(std::vector<Manifold>& manifolds, Workers& workers);
   /// Contacts that another block has solved until now: the next set_manifolds() carries on what it
   /// finds of them, as if they had been here. Those of pairs that are here already are left out.
   void adopt(std::span<const Contact> contacts);
   void configure(const ContactOptions& options);
   std::span<const Contact> contacts() const;
+  /// Of the same contacts, in the same order.
+  std::span<const ContactBrief> briefs() const;
   bool any_friction() const;     ///< some contact has a coefficient above 0
   bool any_restitution() const;  ///< likewise
 
   std::string_view name() const override { return "contact"; }
   int order() const override { return static_cast<int>(SolveOrder::Contact); }
   bool empty() const override;
+  bool groups_at_once() const override { return true; }
   void begin_step(const SubstepContext& ctx) override;
   void begin_substep(const SubstepContext& ctx) override;
   void warm_start(const SubstepContext& ctx) override;

@@ -19,6 +19,7 @@ class TANDEM_API DistanceJoint {
  public:
   static constexpr std::string_view kName = "distance_joint";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);
+  static constexpr bool kGroupsAtOnce = true;
 
   struct Def {
     BodyId a = {};  ///< the invalid id stands for the world

@@ -76,6 +76,7 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   std::string_view name() const override { return "joint"; }
   int order() const override { return static_cast<int>(SolveOrder::Joint); }
   bool empty() const override;
+  bool groups_at_once() const override { return true; }
   bool has_gaps() const override;
   void begin_step(const SubstepContext& ctx) override;
   void begin_substep(const SubstepContext& ctx) override;

@@ -20,6 +20,7 @@ class TANDEM_API JointCoupling {
  public:
   static constexpr std::string_view kName = "joint_coupling";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Joint) + 1;
+  static constexpr bool kGroupsAtOnce = true;
 
   /// The bodies and frames of a joint, and which of its coordinates is free.
   struct TANDEM_API Side {

@@ -16,6 +16,7 @@ class TANDEM_API Tether {
  public:
   static constexpr std::string_view kName = "tether";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);
+  static constexpr bool kGroupsAtOnce = true;
 
   /// N/m: beyond these a spring is none, or a joint; and compliance over step squared, of which the
   /// rows are made, would leave what a double can hold.

@@ -50,8 +50,10 @@ struct TANDEM_API ConstraintId {
 ///   start of a step, of all other rows: see has_gaps()), begin_substep,
 ///   displace, solve_velocity, finish_velocity, begin_displacement, project_displacement,
 ///   end_displacement, end_step; where a row has more bodies than two, bool names(BodyId) const and
-///   append_edges(std::vector<ConstraintEdge>&) const, of the others; bool active() const (false
-///   leaves the row out), actuated() const and force_driven() const (see ConstraintEdge).
+///   append_edges(std::vector<ConstraintEdge>&) const, of the others; where no row writes to a body
+///   that cannot move, or to anything else that it shares, static constexpr bool kGroupsAtOnce =
+///   true; bool active() const (false leaves the row out), actuated() const and force_driven()
+///   const (see ConstraintEdge).
 /// Where C is a value that can be copied, so is the block (WorldCopy).
 template <class C>
 class TANDEM_API TypedBlock final : public ConstraintBlock {
@@ -94,6 +96,10 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   std::string_view name() const override { return C::kName; }
   int order() const override { return C::kOrder; }
   bool empty() const override { return slots_.count() == 0; }
+  bool groups_at_once() const override {
+    if constexpr (requires { C::kGroupsAtOnce; }) return C::kGroupsAtOnce;
+    return false;
+  }
 
   void begin_step(const SubstepContext& ctx) override {
     put_in_sequence(ctx.order);

@@ -3,26 +3,27 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
+#include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <type_traits>
 
 #include "tandem/pbd/export.h"
 
 namespace tandem::pbd {
 
-/// A fixed team of threads for the stages of one step; the calling thread is worker 0. Work is
-/// handed out in *chunks*, which anyone may take: a worker that the machine has put aside takes
-/// none, and nobody waits for it. Only a chunk that was begun is waited for. Results must not
-/// depend on which worker does what: each chunk writes only what belongs to itself.
+/// A fixed team of threads for the stages of one step; the calling thread is worker 0. Whoever of
+/// the others is awake helps: a worker that the machine has put aside takes no work, and nobody
+/// waits for it. Only what was begun is waited for. Results must not depend on which worker does
+/// what: each piece of work writes only what belongs to itself.
 ///
-/// Who waits looks again and again for 50 us and is then put to sleep. On a busy machine, where a
-/// worker was put aside in the middle of a chunk, the calling thread works alone for some time: it
-/// loses a tenth of its time to waiting at most.
-/// @par Thread safety  One thread at a time may call run() or for_chunks(); they do not nest.
+/// A worker that waits looks again and again, after 20 us it lets others have its processor, and
+/// after 1 ms it is put to sleep. On a busy machine, where a worker was put aside in the middle of
+/// its work, the calling thread works alone for some time: it loses a tenth of its time to waiting
+/// at most.
+/// @par Thread safety  One thread at a time may call these methods; they do not nest.
 class TANDEM_API Workers {
  public:
   /// @param count  1 to 64; 1 starts no thread
@@ -34,40 +35,86 @@ class TANDEM_API Workers {
 
   int count() const { return count_; }
 
-  /// Call f(chunk, worker) for the chunks of one stage after the other; those of a stage may run at
-  /// once. Allocates nothing. f must not throw.
-  /// @param starts  chunks before each stage, ascending from 0, and how many there are in all
-  /// @param reverse  begin with the last stage
-  template <class F>
-  void run(std::span<const std::uint32_t> starts, bool reverse, F&& f) {
-    using Function = std::remove_reference_t<F>;
-    run_stages(
-        starts, reverse,
-        [](void* context, std::uint32_t chunk, int worker) {
-          (*static_cast<Function*>(context))(chunk, worker);
-        },
-        const_cast<void*>(static_cast<const void*>(&f)));
-  }
-
   /// Call f(begin, end, worker) on consecutive chunks that cover [0, size), each of at most `grain`
-  /// indices. Allocates nothing.
+  /// indices. Each worker begins with its own part of them, the same one for the same size: its
+  /// caches have what it had in hand before. Then it helps the others. Few chunks are left to the
+  /// calling thread, as one: what they are about is in its caches. Allocates nothing. f must not
+  /// throw.
   template <class F>
   void for_chunks(std::size_t size, std::size_t grain, F&& f) {
-    if (count_ == 1 || size <= grain) {
+    if (count_ == 1 || size < kFew * grain) {
       if (size > 0) f(std::size_t{0}, size, 0);
       return;
     }
-    const std::array<std::uint32_t, 2> starts{
-        0, static_cast<std::uint32_t>((size + grain - 1) / grain)};
-    run(starts, false, [&](std::uint32_t chunk, int worker) {
+    const auto visit = [&](std::uint32_t chunk, int worker) {
       const std::size_t begin = chunk * grain;
       f(begin, std::min(size, begin + grain), worker);
-    });
+    };
+    share(static_cast<std::uint32_t>((size + grain - 1) / grain), visit);
   }
 
+  /// Whether f(begin, end) of some chunk is true. Once one is, others may not be asked.
+  template <class F>
+  bool any_chunk(std::size_t size, std::size_t grain, F&& f) {
+    if (count_ == 1 || size < kFew * grain) return size > 0 && f(std::size_t{0}, size);
+    std::atomic<bool> any{false};
+    for_chunks(size, grain, [&](std::size_t begin, std::size_t end, int) {
+      if (!any.load(std::memory_order_relaxed) && f(begin, end))
+        any.store(true, std::memory_order_relaxed);
+    });
+    return any.load();
+  }
+
+  /// Call f(task, worker) for the tasks from 0 to count - 1, begun in this order.
+  template <class F>
+  void for_tasks(std::uint32_t count, F&& f) {
+    if (count_ == 1 || count == 1) {
+      for (std::uint32_t task = 0; task < count; ++task) f(task, 0);
+      return;
+    }
+    share_in_order(count, f);
+  }
+
+  /// Call f(worker) by each worker that comes while the calling one is at it: f has to do all of
+  /// the work, however few come.
+  template <class F>
+  void for_each(F&& f) {
+    meet([](void* context,
+            int worker) { (*static_cast<std::remove_reference_t<F>*>(context))(worker); },
+         pointer_to(f));
+  }
+
+  /// The calling thread has waited for so long at a time. @pre several workers
+  void note_lost(std::chrono::steady_clock::duration waited);
+
  private:
-  using Task = void (*)(void* context, std::uint32_t chunk, int worker);
-  void run_stages(std::span<const std::uint32_t> starts, bool reverse, Task task, void* context);
+  static constexpr std::size_t kFew = 8;  ///< chunks
+
+  using Task = void (*)(void* context, int worker);
+  using Visit = void (*)(void* context, std::uint32_t index, int worker);
+
+  template <class F>
+  static void* pointer_to(F& f) {
+    return const_cast<void*>(static_cast<const void*>(&f));
+  }
+  template <class F>
+  static Visit visit_of() {
+    return [](void* context, std::uint32_t index, int worker) {
+      (*static_cast<F*>(context))(index, worker);
+    };
+  }
+  template <class F>
+  void share(std::uint32_t chunks, F& f) {
+    run_chunks(chunks, visit_of<F>(), pointer_to(f));
+  }
+  template <class F>
+  void share_in_order(std::uint32_t tasks, F& f) {
+    run_tasks(tasks, visit_of<F>(), pointer_to(f));
+  }
+
+  void run_chunks(std::uint32_t chunks, Visit visit, void* context);
+  void run_tasks(std::uint32_t tasks, Visit visit, void* context);
+  void meet(Task task, void* context);
 
   struct Team;
   int count_ = 1;

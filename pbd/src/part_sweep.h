@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "patience.h"
+#include "tandem/pbd/workers.h"
+
+namespace tandem::pbd {
+
+/// Blocks of rows that lie in parts, each swept from its first block to its last or back. Blocks of
+/// two parts that share a body are swept in the order of a single thread: the later one waits until
+/// the other part has passed the earlier one. Nobody waits for anything else, so there are no
+/// barriers within a sweep, and the bits are those of one thread. [saltz1991], self-executing loops
+class PartSweep {
+ public:
+  static constexpr std::uint32_t kMost = 64;
+
+  /// Begin anew. @param begins  the first block of each part and the end of the last one
+  void start(std::span<const std::uint32_t> begins);
+  /// Two blocks share a body. There is an order of all blocks in which the earlier one comes first
+  /// and each part's blocks ascend.
+  /// @param part  of the later one
+  void link(std::uint32_t earlier, std::uint32_t later, std::uint32_t part);
+  std::uint32_t parts() const { return static_cast<std::uint32_t>(parts_.size()); }
+
+  /// Call visit(block) for all blocks.
+  template <class F>
+  void run(bool reverse, Workers& workers, F&& visit) {
+    for (std::uint32_t p = 0; p < parts(); ++p) {
+      state_[p].at.store(reverse ? parts_[p].end : parts_[p].begin, std::memory_order_relaxed);
+      state_[p].taken.store(0, std::memory_order_relaxed);
+    }
+    workers.for_each([&](int worker) {
+      const auto own = static_cast<std::uint32_t>(worker) % parts();
+      // Those that have no part of their own would only be in the way.
+      const bool spare = static_cast<std::uint32_t>(worker) >= parts();
+      Patience patience;
+      while (!is_done(reverse)) {
+        if (pass(own, reverse, visit)) {
+          patience.renew();
+        } else if (spare) {
+          return;
+        } else {
+          patience.look();
+        }
+      }
+      if (worker == 0) workers.note_lost(patience.longest());
+    });
+  }
+
+ private:
+  /// Looks at another part's place, before a worker looks for another part to go on with.
+  static constexpr int kLooks = 256;
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  struct Part {
+    std::uint32_t begin = 0, end = 0;
+  };
+  /// Places that the other parts must have reached, by part: on the way forwards at least, on the
+  /// way back at most.
+  struct Needs {
+    std::uint32_t* forwards;
+    std::uint32_t* back;
+  };
+  struct State {
+    /// Forwards: the next block; backwards: the last one that is done.
+    alignas(64) std::atomic<std::uint32_t> at{0};
+    alignas(64) std::atomic<std::uint8_t> taken{0};  ///< a worker is at it
+  };
+
+  Needs needs(std::uint32_t block);
+  /// Who has seen that parts are done has seen what was done in them.
+  bool is_done(bool reverse) const {
+    for (std::uint32_t p = 0; p < parts(); ++p) {
+      if (!is_done(p, reverse, std::memory_order_acquire)) return false;
+    }
+    return true;
+  }
+  bool is_done(std::uint32_t p, bool reverse, std::memory_order order) const {
+    const std::uint32_t at = state_[p].at.load(order);
+    return reverse ? at == parts_[p].begin : at == parts_[p].end;
+  }
+
+  /// Go on with all parts that nobody is at, the own one first.
+  /// @return whether a block was swept
+  template <class F>
+  bool pass(std::uint32_t own, bool reverse, F& visit) {
+    bool any = false;
+    for (std::uint32_t n = 0; n < parts(); ++n) {
+      const std::uint32_t p = (own + n) % parts();
+      if (is_done(p, reverse, std::memory_order_relaxed)) continue;
+      if (state_[p].taken.load(std::memory_order_relaxed) != 0 ||
+          state_[p].taken.exchange(1, std::memory_order_acquire) != 0)
+        continue;
+      any = advance(p, reverse, visit) || any;
+      state_[p].taken.store(0, std::memory_order_release);
+    }
+    return any;
+  }
+
+  /// Go on with a part until it is done or waits for long.
+  /// @return whether a block was swept
+  template <class F>
+  bool advance(std::uint32_t p, bool reverse, F& visit) {
+    std::atomic<std::uint32_t>& at = state_[p].at;
+    const Part part = parts_[p];
+    const std::uint32_t first = at.load(std::memory_order_relaxed);
+    const std::uint32_t last = reverse ? part.begin : part.end;
+    std::uint32_t k = first;
+    while (k != last) {
+      const std::uint32_t block = reverse ? k - 1 : k;
+      const std::uint32_t row = need_of_[block];
+      if (row != kNone && !wait(row, reverse)) break;
+      visit(block);
+      k = reverse ? k - 1 : k + 1;
+      if (row != kNone) at.store(k, std::memory_order_release);
+    }
+    at.store(k, std::memory_order_release);
+    return k != first;
+  }
+
+  /// @return false where it takes too long
+  bool wait(std::uint32_t row, bool reverse) const {
+    const std::uint32_t* need =
+        need_.data() + std::size_t{2} * row * parts() + (reverse ? parts() : 0);
+    for (std::uint32_t q = 0; q < parts(); ++q) {
+      const auto reached = [&] {
+        const std::uint32_t at = state_[q].at.load(std::memory_order_acquire);
+        return reverse ? at <= need[q] : at >= need[q];
+      };
+      if (need[q] == (reverse ? kNone : 0)) continue;
+      for (int looks = 0; !reached(); ++looks) {
+        if (looks == kLooks || state_[q].taken.load(std::memory_order_relaxed) == 0) {
+          if (reached()) break;
+          return false;
+        }
+        relax();
+      }
+    }
+    return true;
+  }
+
+  std::vector<Part> parts_;
+  std::vector<std::uint32_t> need_of_;  ///< by block: into need_, or kNone
+  std::vector<std::uint32_t> need_;     ///< twice one for each part
+  std::unique_ptr<State[]> state_ = std::make_unique<State[]>(kMost);
+};
+
+}  // namespace tandem::pbd
