@@ -2,12 +2,13 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Box3D as its samples run it: four substeps, soft contacts, warm start, contact recycling,
-// continuous collision with what is fixed, one thread. Never asleep unless asked and without
-// damping, as all engines here.
+// continuous collision with what is fixed, with as many workers of its own as threads are asked for.
+// Never asleep unless asked and without damping, as all engines here.
 #include <box3d/box3d.h>
 #include <box3d/collision.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <numbers>
 #include <stdexcept>
@@ -47,6 +48,7 @@ class Box3dEngine final : public Engine {
     b3WorldDef def = b3DefaultWorldDef();
     def.gravity = b3(scene.gravity);
     def.enableSleep = settings.sleeping;
+    def.workerCount = static_cast<std::uint32_t>(settings.threads);
     world_ = b3CreateWorld(&def);
     const b3BodyDef fixed = b3DefaultBodyDef();
     fixed_ = b3CreateBody(world_, &fixed);

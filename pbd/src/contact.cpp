@@ -143,39 +143,61 @@ void ContactBlock::Impl::match(std::span<const Manifold> manifolds, Workers& wor
 }
 
 void ContactBlock::Impl::follow_all(std::span<const Manifold> manifolds, Workers& workers) {
-  const std::size_t size = manifolds.size();
-  brief_list.resize(size);
+  brief_list.resize(manifolds.size());
   briefs_are_old = false;
+  const auto moves = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (old_place[i] != ContactOrder::kNone && old_place[i] != i) return true;
+    }
+    return false;
+  };
   if (workers.count() == 1) {
-    // In place, each where nothing is that is still wanted: first what moves down, the lowest
-    // first, then what moves up, the highest first, and new ones last.
-    if (size > contacts.size()) contacts.resize(size);
-    for (std::size_t i = 0; i < size; ++i) {
-      if (old_place[i] == ContactOrder::kNone || old_place[i] < i) continue;
-      follow(manifolds[i], contacts[old_place[i]], contacts[i]);
-    }
-    for (std::size_t i = size; i-- > 0;) {
-      if (old_place[i] < i) follow(manifolds[i], contacts[old_place[i]], contacts[i]);
-    }
-    for (std::size_t i = 0; i < size; ++i) {
-      if (old_place[i] == ContactOrder::kNone) contacts[i] = {.manifold = manifolds[i]};
-      brief_list[i] = brief_of(contacts[i]);
-    }
-    contacts.resize(size);
-    return;
+    follow_in_turn(manifolds);
+  } else if (workers.any_chunk(manifolds.size(), kBriefGrain, moves)) {
+    next_contacts.resize(manifolds.size());
+    follow_at_once(manifolds, next_contacts, workers);
+    contacts.swap(next_contacts);
+  } else {
+    contacts.resize(manifolds.size());
+    follow_at_once(manifolds, contacts, workers);
   }
-  next_contacts.resize(size);
-  workers.for_chunks(size, kGrain, [&](std::size_t begin, std::size_t end, int) {
+}
+
+void ContactBlock::Impl::follow_at_once(std::span<const Manifold> manifolds,
+                                        std::span<Contact> into, Workers& workers) {
+  workers.for_chunks(manifolds.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t i = begin; i < end; ++i) {
       if (old_place[i] == ContactOrder::kNone) {
-        next_contacts[i] = {.manifold = manifolds[i]};
+        into[i] = {.manifold = manifolds[i]};
       } else {
-        follow(manifolds[i], contacts[old_place[i]], next_contacts[i]);
+        follow(manifolds[i], contacts[old_place[i]], into[i]);
       }
-      brief_list[i] = brief_of(next_contacts[i]);
+      brief_list[i] = brief_of(into[i]);
     }
   });
-  contacts.swap(next_contacts);
+}
+
+/// In place, each where nothing is that is still wanted: first what moves down, the lowest first,
+/// then what moves up, the highest first, and new ones last.
+void ContactBlock::Impl::follow_in_turn(std::span<const Manifold> manifolds) {
+  const std::size_t size = manifolds.size();
+  if (size > contacts.size()) contacts.resize(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    if (old_place[i] == ContactOrder::kNone || old_place[i] < i) continue;
+    follow(manifolds[i], contacts[old_place[i]], contacts[i]);
+    brief_list[i] = brief_of(contacts[i]);
+  }
+  for (std::size_t i = size; i-- > 0;) {
+    if (old_place[i] >= i) continue;
+    follow(manifolds[i], contacts[old_place[i]], contacts[i]);
+    brief_list[i] = brief_of(contacts[i]);
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    if (old_place[i] != ContactOrder::kNone) continue;
+    contacts[i] = {.manifold = manifolds[i]};
+    brief_list[i] = brief_of(contacts[i]);
+  }
+  contacts.resize(size);
 }
 
 void ContactBlock::adopt(std::span<const Contact> contacts) {
@@ -210,6 +232,7 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   m.cells.find(arranged, ctx);
   m.order.build(arranged, m.cells, ctx.bodies.size(), ctx.movers,
                 static_cast<std::uint32_t>(ctx.team));
+  m.count_levels(ctx.groups);
   m.groups.resize(static_cast<std::size_t>(ctx.team));
   for (ContactGroup& group : m.groups) {
     if (m.any_restitution) group.impacts.reserve(ctx.bodies.size());
@@ -307,7 +330,7 @@ void ContactBlock::begin_substep(const SubstepContext& ctx) {
     own.turned = false;
     m.make_rows(ctx);
     own.budget_spent = m.spent(ctx);
-    own.refined_rows += m.rows_beyond(ctx.group, ctx.substeps);
+    own.refined_rows += m.rows_beyond(m.order.row_count(ctx.group), ctx.substeps);
   }
   if (std::exchange(own.turned, false) || own.joined) m.renew_rows(ctx);
   const AnchorNumbers anchors = anchors_of(m.contacts);

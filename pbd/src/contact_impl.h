@@ -67,6 +67,11 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   ContactOrder order;
   std::vector<ContactGroup> groups;  ///< those that are solved at once: by worker
   ContactRefinement refinement;
+  struct Level {
+    int substeps = 0;
+    int rows = 0;
+  };
+  std::vector<Level> levels;  ///< see count_levels()
   ContactOptions options;
   const ContactKernels* kernels = &contact_kernels(0);
   int extra_rows = 0;      ///< rows swept again in this step
@@ -119,6 +124,10 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   }
   void match(std::span<const Manifold> manifolds, Workers& workers);
   void follow_all(std::span<const Manifold> manifolds, Workers& workers);
+  /// @param into  contacts, where none moves, or next_contacts
+  void follow_at_once(std::span<const Manifold> manifolds, std::span<Contact> into,
+                      Workers& workers);
+  void follow_in_turn(std::span<const Manifold> manifolds);
   /// Made when it is first asked for after a step.
   const ByBody& named() {
     by_body.renew([&] {
@@ -252,19 +261,31 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     }
   }
 
-  /// Rows of substeps beyond the solver's that the budget has had before: those of groups with
-  /// fewer substeps, and of this one as if all of its level were like it, so that it does not
+  /// Contacts by the substeps that their groups take, after each step's order is known.
+  void count_levels(std::span<const GroupFacts> all) {
+    levels.clear();
+    for (std::uint32_t g = 0; g < all.size(); ++g) {
+      const auto level = std::find_if(levels.begin(), levels.end(), [&](const Level& each) {
+        return each.substeps == all[g].substeps;
+      });
+      if (level != levels.end()) {
+        level->rows += order.row_count(g);
+      } else {
+        levels.push_back({all[g].substeps, order.row_count(g)});
+      }
+    }
+  }
+  int rows_beyond(int rows, int substeps) const { return rows * (substeps - least_substeps); }
+  /// Rows of substeps beyond the solver's that the budget has had before a group: those of groups
+  /// with fewer substeps, and of this one as if all of its level were like it, so that it does not
   /// matter which of them comes first.
   int spent(const SubstepContext& ctx) const {
     int below = 0;
-    for (std::uint32_t g = 0; g < ctx.groups.size(); ++g) {
-      const int substeps = ctx.groups[g].substeps;
-      if (substeps < ctx.substeps) below += rows_beyond(g, substeps);
+    for (const Level& level : levels) {
+      if (level.substeps < ctx.substeps) below += rows_beyond(level.rows, level.substeps);
     }
-    return below + static_cast<int>(rows_beyond(ctx.group, ctx.substeps) / ctx.share_of_budget);
-  }
-  int rows_beyond(std::uint32_t group, int substeps) const {
-    return order.row_count(group) * (substeps - least_substeps);
+    const int own = rows_beyond(order.row_count(ctx.group), ctx.substeps);
+    return below + static_cast<int>(own / ctx.share_of_budget);
   }
   /// Rows of a step that may be swept on, or be struck by blows, for each of its substeps.
   /// @param spent  of the budget

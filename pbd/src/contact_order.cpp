@@ -84,9 +84,13 @@ void ContactOrder::lay_out(std::span<const ContactLink> sequence, const ContactC
     starts_[s] = starts_[s - 1] + (starts_[s] + kBlock - 1) / kBlock * kBlock;
   }
   places_.assign(starts_.back(), kNone);
+  first_blocks_.clear();
+  for (std::uint32_t level = 0; level <= levels; ++level) {
+    first_blocks_.push_back(starts_[std::size_t{kKinds} * level] / kBlock);
+  }
   for (Group& group : groups_) {
-    group.begin = starts_[std::size_t{kKinds} * group.first_level] / kBlock;
-    group.end = starts_[std::size_t{kKinds} * (group.first_level + group.levels)] / kBlock;
+    group.begin = first_blocks_[group.first_level];
+    group.end = first_blocks_[group.first_level + group.levels];
   }
   const auto place = [&](std::uint32_t i) { places_[starts_[slots_[i]]++] = i; };
   if (cells.any()) {
@@ -105,45 +109,64 @@ void ContactOrder::sort_by_cell(std::span<const ContactLink> sequence, const Con
   for (std::uint32_t i = 0; i < sequence.size(); ++i) by_cell_[start[cells.of(sequence[i])]++] = i;
 }
 
-/// Blocks of a part beside each other, each part's by level.
+/// Blocks of a part beside each other, each part's by level. In a level those come first that share
+/// a body with another part: while a worker is at the others, its neighbours find them done.
 void ContactOrder::divide(Group& group, std::uint32_t parts, std::span<const ContactLink> sequence,
                           const ContactCells& cells) {
   const std::uint32_t blocks = group.end - group.begin;
   const std::span<std::uint32_t> places =
       std::span(places_).subspan(kBlock * group.begin, kBlock * blocks);
+  const std::vector<std::uint32_t>& before = by_level_places_;
+  by_level_places_.assign(places.begin(), places.end());
   begins_.assign(parts + 1, 0);
   part_of_.resize(blocks);
+  shares_.assign(blocks, 0);
   for (std::uint32_t k = 0; k < blocks; ++k) {
-    const std::uint32_t cell = cells.of(sequence[places[kBlock * k]]);
+    const std::uint32_t cell = cells.of(sequence[before[kBlock * k]]);
     part_of_[k] = cell * parts / ContactCells::kCells;
     ++begins_[part_of_[k] + 1];
   }
   for (std::uint32_t p = 1; p <= parts; ++p) begins_[p] += begins_[p - 1];
   group.sweep = static_cast<std::uint32_t>(sweeps_used_++);
   if (sweeps_used_ > sweeps_.size()) sweeps_.emplace_back();
-  sweeps_[group.sweep].start(begins_);
+  PartSweep& sweep = sweeps_[group.sweep];
+  sweep.start(begins_);
+  for_neighbours(before, sequence, [&](std::uint32_t earlier, std::uint32_t later) {
+    if (part_of_[earlier] != part_of_[later]) shares_[earlier] = shares_[later] = 1;
+  });
   if (by_level_.size() < group.end) by_level_.resize(group.end);
   const std::span<std::uint32_t> by_level = std::span(by_level_).subspan(group.begin, blocks);
-  moved_.assign(places.begin(), places.end());
-  for (std::uint32_t k = 0; k < blocks; ++k) {
-    const std::uint32_t to = begins_[part_of_[k]]++;
-    by_level[k] = to;
-    std::copy_n(moved_.begin() + kBlock * k, kBlock, places.begin() + kBlock * to);
+  for (std::uint32_t level = 0; level < group.levels; ++level) {
+    const std::uint32_t first = first_block(group, level);
+    const std::uint32_t last = first_block(group, level + 1);
+    for (const bool shared : {true, false}) {
+      for (std::uint32_t k = first; k < last; ++k) {
+        if ((shares_[k] != 0) != shared) continue;
+        by_level[k] = begins_[part_of_[k]]++;
+        std::copy_n(before.begin() + kBlock * k, kBlock, places.begin() + kBlock * by_level[k]);
+      }
+    }
   }
-  for (const std::uint32_t place : moved_) {
+  for_neighbours(before, sequence, [&](std::uint32_t earlier, std::uint32_t later) {
+    if (part_of_[earlier] != part_of_[later])
+      sweep.link(by_level[earlier], part_of_[earlier], by_level[later], part_of_[later]);
+  });
+}
+
+/// Call visit(earlier, later) for blocks that follow each other at a body.
+void ContactOrder::for_neighbours(std::span<const std::uint32_t> places,
+                                  std::span<const ContactLink> sequence, auto&& visit) {
+  for (const std::uint32_t place : places) {
     if (place == kNone) continue;
     for_moving(sequence[place], [&](std::uint32_t body) { last_of_body_[body] = kNone; });
   }
-  for (std::uint32_t k = 0; k < blocks; ++k) {
-    for (std::uint32_t lane = 0; lane < kBlock; ++lane) {
-      const std::uint32_t place = moved_[kBlock * k + lane];
-      if (place == kNone) break;
-      for_moving(sequence[place], [&](std::uint32_t body) {
-        const std::uint32_t before = last_of_body_[body];
-        if (before != kNone) sweeps_[group.sweep].link(by_level[before], by_level[k], part_of_[k]);
-        last_of_body_[body] = k;
-      });
-    }
+  for (std::uint32_t at = 0; at < places.size(); ++at) {
+    if (places[at] == kNone) continue;
+    const std::uint32_t block = at / kBlock;
+    for_moving(sequence[places[at]], [&](std::uint32_t body) {
+      if (last_of_body_[body] != kNone) visit(last_of_body_[body], block);
+      last_of_body_[body] = block;
+    });
   }
 }
 

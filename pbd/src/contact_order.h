@@ -77,6 +77,13 @@ class ContactOrder {
   void divide(Group& group, std::uint32_t parts, std::span<const ContactLink> sequence,
               const ContactCells& cells);
 
+  void for_neighbours(std::span<const std::uint32_t> places, std::span<const ContactLink> sequence,
+                      auto&& visit);
+  /// Of the group's, by level.
+  std::uint32_t first_block(const Group& group, std::uint32_t level) const {
+    return first_blocks_[group.first_level + level] - group.begin;
+  }
+
   /// First indices into the sequence, then contacts.
   std::vector<std::uint32_t> places_;
   std::vector<Group> groups_;
@@ -88,10 +95,12 @@ class ContactOrder {
   std::vector<std::uint32_t> slots_;    ///< by contact: its level, then with its kind, into starts_
   std::vector<std::uint32_t> starts_;   ///< places, by level and kind
   std::vector<std::uint32_t> by_cell_;  ///< indices into the sequence
-  // Scratch of divide():
-  std::vector<std::uint32_t> begins_;
+  std::vector<std::uint32_t> first_blocks_;  ///< by level of all groups
+  // Scratch of divide(), by block as they lie by level:
+  std::vector<std::uint32_t> begins_;  ///< by part
   std::vector<std::uint32_t> part_of_;
-  std::vector<std::uint32_t> moved_;
+  std::vector<std::uint8_t> shares_;  ///< a body with another part
+  std::vector<std::uint32_t> by_level_places_;
 };
 
 }  // namespace tandem::pbd

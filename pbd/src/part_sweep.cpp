@@ -23,14 +23,11 @@ PartSweep::Needs PartSweep::needs(std::uint32_t block) {
   return {first, first + parts()};
 }
 
-void PartSweep::link(std::uint32_t earlier, std::uint32_t later, std::uint32_t part) {
-  const Part& own = parts_[part];
-  if (earlier >= own.begin && earlier < own.end) return;
-  const auto ends_after = [](std::uint32_t block, const Part& p) { return block < p.end; };
-  const auto other = std::upper_bound(parts_.begin(), parts_.end(), earlier, ends_after);
-  std::uint32_t& from = needs(later).forwards[other - parts_.begin()];
+void PartSweep::link(std::uint32_t earlier, std::uint32_t earlier_part, std::uint32_t later,
+                     std::uint32_t later_part) {
+  std::uint32_t& from = needs(later).forwards[earlier_part];
   from = std::max(from, earlier + 1);
-  std::uint32_t& back = needs(earlier).back[part];
+  std::uint32_t& back = needs(earlier).back[later_part];
   back = std::min(back, later);
 }
 

@@ -24,10 +24,10 @@ class PartSweep {
 
   /// Begin anew. @param begins  the first block of each part and the end of the last one
   void start(std::span<const std::uint32_t> begins);
-  /// Two blocks share a body. There is an order of all blocks in which the earlier one comes first
-  /// and each part's blocks ascend.
-  /// @param part  of the later one
-  void link(std::uint32_t earlier, std::uint32_t later, std::uint32_t part);
+  /// Blocks of two parts share a body. There is an order of all blocks in which the earlier one
+  /// comes first and each part's blocks ascend.
+  void link(std::uint32_t earlier, std::uint32_t earlier_part, std::uint32_t later,
+            std::uint32_t later_part);
   std::uint32_t parts() const { return static_cast<std::uint32_t>(parts_.size()); }
 
   /// Call visit(block) for all blocks.

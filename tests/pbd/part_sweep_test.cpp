@@ -49,7 +49,9 @@ struct Rows {
       const std::uint32_t block = begins[row.part]++;
       at[block] = i;
       for (const std::uint32_t body : {row.a, row.b}) {
-        if (last[body] < count) sweep.link(last[body], block, row.part);
+        const std::uint32_t before = last[body];
+        const std::uint32_t part = before < count ? in_order[at[before]].part : row.part;
+        if (part != row.part) sweep.link(before, part, block, row.part);
         last[body] = block;
       }
     }
