@@ -17,11 +17,13 @@ if [[ ${1-} == --platform ]]; then
   platform=${2-}
   shift 2 || true
 fi
-# What is the systems' own: threads, sockets, files, numbers as text, bytes from others, and C.
+# More than half of a platform's programs: what is the systems' own (threads, sockets, files, numbers as text, bytes from
+# others, C). Of the rest each takes a minute or more to build, or minutes to run on qemu (docs/platforms.md).
 half=(
-  pbd_threads_test pbd_allocation_test scene_files_test obj_test net_test net_protocol_test demo_peer_test
-  c_test c_session_test c_files_test
-  mutate_{clock_exchange,channels_read,decode_channels,decode_handshake,decode_packet,membership,node_sequence,tcp_frames}
+  pbd_threads_test pbd_allocation_test collision_threads_test scene_files_test obj_test net_test
+  c_test c_session_test c_files_test room_test
+  mutate_{clock_exchange,channels_read,decode_channels,decode_handshake,decode_packet,membership,node_sequence}
+  mutate_{tcp_frames,trace_read}
 )
 quick=()
 case $platform in
