@@ -74,6 +74,7 @@ run_room_link() {
     bash "$root/cmake/install-deps.sh" --with-view >&2
   fi
   if [[ $page == *.tar.gz ]]; then
+    rm -rf "$root/build/room_page"  # of another release
     mkdir -p "$root/build/room_page"
     tar -C "$root/build/room_page" --strip-components 1 -xzf "$page"
     page=$root/build/room_page

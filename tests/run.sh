@@ -6,8 +6,9 @@
 #   tests/run.sh                             all tests, here
 #   tests/run.sh -R pbd                      those whose names match
 #   tests/run.sh --platform windows|arm64    all tests that run on an emulator (docs/platforms.md)
-#   tests/run.sh --platform arm64 --quick    those of the systems' own code, and a session of all platforms
 #   tests/run.sh --platform libcxx           all tests here, by clang with libc++
+#   tests/run.sh --platform arm64 --quick    half of the platform's test programs, those that take least to build and to
+#                                            run, and a session of all platforms
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -16,6 +17,14 @@ if [[ ${1-} == --platform ]]; then
   platform=${2-}
   shift 2 || true
 fi
+# More than half of a platform's programs: what is the systems' own (threads, sockets, files, numbers as text, bytes from
+# others, C). Of the rest each takes a minute or more to build, or minutes to run on qemu (docs/platforms.md).
+half=(
+  pbd_threads_test pbd_allocation_test collision_threads_test scene_files_test obj_test net_test
+  c_test c_session_test c_files_test room_test
+  mutate_{clock_exchange,channels_read,decode_channels,decode_handshake,decode_packet,membership,node_sequence}
+  mutate_{tcp_frames,trace_read}
+)
 quick=()
 case $platform in
   native) preset=release target='' ;;
@@ -26,8 +35,7 @@ case $platform in
 esac
 if [[ -n $target && ${1-} == --quick ]]; then
   shift
-  quick=(pbd_threads_test scene_files_test obj_test net_test c_test c_session_test)
-  [[ $platform != libcxx ]] || quick=(scene_files_test obj_test c_session_test)
+  quick=("${half[@]}")
   names=$(IFS='|' && echo "${quick[*]}")
   set -- -R "^($names|cross_session)$" "$@"
   [[ $platform == libcxx ]] || quick+=(cubes tandem-key tandem-replay tandem-room-peer)

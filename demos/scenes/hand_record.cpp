@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "tandem/pbd/parse_number.h"
@@ -19,6 +21,12 @@ namespace {
 constexpr std::size_t kMaxBytes = 8u << 20;
 constexpr std::size_t kMaxName = 64;
 constexpr std::size_t kMaxHolds = 4096;
+
+std::string_view kind_text(std::filesystem::file_type kind) {
+  if (kind == std::filesystem::file_type::directory) return "a folder";
+  if (kind == std::filesystem::file_type::fifo) return "a pipe";
+  return "a device or a socket";
+}
 
 /// One line of a record, word by word.
 class RecordLine {
@@ -195,6 +203,12 @@ HandRecord hand_record_from_text(std::string_view text, std::string_view file) {
 }
 
 HandRecord read_hand_record(const std::string& path) {
+  std::error_code ignored;
+  // Not a pipe, which one waits for, nor a folder.
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    pbd::detail::refuse(path + ": file", "a regular one", kind_text(status.type()));
+  }
   std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));

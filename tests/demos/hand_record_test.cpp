@@ -2,11 +2,17 @@
 // Copyright (c) 2026 The Tandem authors
 #include "scenes/hand_record.h"
 
+#ifndef _WIN32
+#include <sys/stat.h>
+#endif
+
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "support/catch.h"
+#include "support/folder.h"
 
 namespace tandem::demos::hand_record_test {
 namespace {
@@ -107,6 +113,28 @@ TEST_CASE("hand record: more than its rate or its longest allow is refused", "[d
   const std::string huge(9u << 20, ' ');
   CHECK(refusal(kHead + huge).find("mine.txt: size must be at most 8388608") == 0);
   CHECK_THROWS_AS(read_hand_record("there is no such file"), std::runtime_error);
+}
+
+TEST_CASE("hand record: what is no regular file is refused, and not waited for", "[demos][fault]") {
+  const testing::Folder folder;
+  const auto refused = [](const std::string& path) {
+    try {
+      read_hand_record(path);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(read_hand_record(folder.write("hand.txt", kHead + "0 end\n")).room == "sandbox");
+  std::filesystem::create_directory(folder.file("folder"));
+  CHECK(refused(folder.file("folder")) ==
+        folder.file("folder") + ": file must be a regular one, is a folder");
+#ifndef _WIN32
+  REQUIRE(mkfifo(folder.file("pipe").c_str(), 0600) == 0);
+  CHECK(refused(folder.file("pipe")) ==
+        folder.file("pipe") + ": file must be a regular one, is a pipe");
+  CHECK(refused("/dev/zero") == "/dev/zero: file must be a regular one, is a device or a socket");
+#endif
 }
 
 }  // namespace

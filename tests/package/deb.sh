@@ -86,6 +86,13 @@ consumer scene "$usr"
 took deb
 consumer net "$usr"
 "${runner[@]}" "$usr/bin/tandem-key" >/dev/null </dev/null || fail "tandem-key does not run"
+ran=()
+for program in "$usr"/bin/tandem-* "$usr"/libexec/tandem/demos/*; do
+  [[ $(head -c 4 "$program") == $'\x7fELF' ]] || continue  # tandem-demo is a script
+  "${runner[@]}" "$program" --help >"$scratch/said" 2>&1 </dev/null || { cat "$scratch/said" >&2; fail "$program does not run"; }
+  ran+=("$(basename "$program")")
+done
+echo "deb: these say what they take: ${ran[*]}"
 # Rooms need nothing else where the page is there: what is served with no option.
 if [[ $preset == shared && -x $usr/bin/tandem-room && -f $usr/share/tandem/room/index.html.gz ]]; then
   "$here/room.sh" "$usr/bin/tandem-room" || fail "tandem-room does not serve the installed page"

@@ -123,6 +123,28 @@ def test_others_refusals_are_counted():
     assert answers == [b"ball"] and two.stats["spawns_refused"] == 1 and scene.bodies == []
 
 
+def test_a_fault_in_make_is_told_and_the_session_goes_on():
+    network = tandem.VirtualNetwork()
+    one = Member(network, 1)
+    one.make = lambda what: one.scene.add(tandem.Sphere(0.1))
+    one.session.close()
+    one.session = tandem.Session(one.scene, network, 1, make=one.make)
+    two = Member(network, 2)
+    advance(network, one, two)
+    # In one step: what comes with the fault is taken in.
+    balls = [one.session.spawn(what, (i, 0, 0)) for i, what in enumerate(("ball", "error", "ball"))]
+    with pytest.raises(RuntimeError, match="of the program") as raised:
+        advance(network, one, two)
+    assert any("make(b'error')" in note for note in raised.value.__notes__)
+    before = two.scene.time
+    advance(network, one, two)
+    assert [two.session.body(ball) is None for ball in balls] == [False, True, False]
+    assert two.asked == [b"ball", b"error", b"ball"] and two.session.stats["spawns_refused"] == 1
+    # The step that failed has not been lost.
+    assert two.scene.time > before and two.scene.time == pytest.approx(one.scene.time, abs=1.5 * DT)
+    assert two.session.body(balls[2]).position == pytest.approx((2, 0, 0), abs=1e-6)
+
+
 def test_a_callback_may_not_close_the_session_and_a_remover_takes_the_body_out():
     network = tandem.VirtualNetwork()
     removed = []

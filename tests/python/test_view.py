@@ -3,6 +3,8 @@
 """tandem.view(): what its server sends, to whom, and what is left of it in the end."""
 
 import base64
+import contextlib
+import gc
 import http.client
 import json
 import os
@@ -11,6 +13,7 @@ import struct
 import subprocess
 import sys
 import threading
+import time
 import tracemalloc
 import types
 import urllib.parse
@@ -318,27 +321,88 @@ def test_a_client_that_never_reads_costs_one_frame(scene):
             connection.close()
 
 
-def test_connections_are_few(shown):
+def connected(page, request=b""):
+    address = urllib.parse.urlsplit(page.url)
+    connection = socket.create_connection((address.hostname, address.port), timeout=20)
+    connection.sendall(request)
+    return connection
+
+
+def request_of(page, path=""):
+    address = urllib.parse.urlsplit(page.url)
+    return f"GET {address.path}{path} HTTP/1.1\r\nHost: {address.netloc}\r\n\r\n".encode()
+
+
+def test_connections_are_few_and_of_idle_ones_the_oldest_goes(shown):
     from tandem.view_server import MAX_CONNECTIONS
 
     _, page = shown
-    address = urllib.parse.urlsplit(page.url)
-    kept = []
-    request = f"GET {address.path} HTTP/1.1\r\nHost: {address.netloc}\r\n\r\n".encode()
-
-    def answered():
-        kept.append(socket.create_connection((address.hostname, address.port), timeout=20))
-        try:
-            kept[-1].sendall(request)
-            return kept[-1].recv(12)
-        except OSError:
-            return b""
-
-    for _ in range(MAX_CONNECTIONS):
-        assert answered() == b"HTTP/1.1 200"
-    assert answered() == b""
+    kept = [connected(page) for _ in range(MAX_CONNECTIONS)]
+    # Who has asked lately is not the oldest any more.
+    kept[0].sendall(request_of(page))
+    assert kept[0].recv(12) == b"HTTP/1.1 200"
+    kept.append(connected(page, request_of(page)))
+    assert kept[-1].recv(12) == b"HTTP/1.1 200"
+    assert kept[1].recv(1) == b""
+    for connection in kept[2:4]:
+        connection.sendall(request_of(page))
+        assert connection.recv(12) == b"HTTP/1.1 200"
     for connection in kept:
         connection.close()
+
+
+def test_connections_that_are_answered_stay(shown):
+    from tandem.view_server import MAX_CONNECTIONS
+
+    _, page = shown
+    # All wait for a frame that is not there yet.
+    kept = [connected(page, request_of(page, "frame?after=1")) for _ in range(MAX_CONNECTIONS)]
+    while page._server._idle or len(page._server._clients) < MAX_CONNECTIONS:
+        time.sleep(0.01)
+    more = connected(page)
+    try:
+        assert more.recv(1) == b""
+    except ConnectionResetError:
+        pass
+    page.show()
+    for connection in (*kept, more):
+        assert connection is more or connection.recv(12) == b"HTTP/1.1 200"
+        connection.close()
+
+
+def test_one_that_nobody_has_any_more_ends(scene):
+    before = set(threading.enumerate())
+    page = tandem.view(scene, open_browser=False)
+    port = urllib.parse.urlsplit(page.url).port
+    fetch(page)
+    del page
+    gc.collect()
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", port))
+    for thread in set(threading.enumerate()) - before:
+        thread.join(20)
+        assert not thread.is_alive(), thread
+
+
+def test_one_that_its_own_thread_collects_ends(scene):
+    before = set(threading.enumerate())
+    page = tandem.view(scene, open_browser=False)
+    # A cycle that is found while a page is answered.
+    page.self = page
+    url, server = page.url, page._server
+    newer, server.newer = server.newer, lambda number: (gc.collect(), newer(number))[1]
+    gc.disable()
+    try:
+        del page
+        with contextlib.suppress(OSError):
+            urllib.request.urlopen(url + "frame?after=0", timeout=20).read()
+    finally:
+        gc.enable()
+    for thread in (server._thread, *(set(threading.enumerate()) - before)):
+        thread.join(20)
+        assert not thread.is_alive(), thread
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", server.port))
 
 
 def test_show_keeps_to_real_time(scene, monkeypatch):

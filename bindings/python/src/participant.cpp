@@ -53,6 +53,11 @@ py::object as_function(py::object function, const char* name) {
   return function;
 }
 
+/// Below the traceback, from Python 3.11 on.
+void note(const py::error_already_set& error, const std::string& text) {
+  if (py::hasattr(error.value(), "add_note")) error.value().attr("add_note")(text);
+}
+
 py::object function_of(const py::kwargs& given, const char* name) {
   return as_function(given.contains(name) ? py::object(given[name]) : py::none(), name);
 }
@@ -210,8 +215,12 @@ BodyId Participant::make(std::string_view what) {
       made = id_in(*core_, body.cast<Body>(), "Session: what make returns");
     } catch (py::error_already_set& error) {
       // There is no such thing: it is another member's fault, or the one's who calls spawn().
-      if (!error.matches(PyExc_ValueError)) throw;
-      throw std::invalid_argument(py::str(error.value()));
+      if (error.matches(PyExc_ValueError)) throw std::invalid_argument(py::str(error.value()));
+      // A fault of the program's. Others may have asked for it, in the midst of advance().
+      note(error, "in Session's make(" +
+                      std::string(py::repr(py::bytes(what.data(), what.size()))) +
+                      "), which may raise ValueError or return None for what it does not know");
+      throw;
     }
   });
   return made;

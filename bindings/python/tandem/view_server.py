@@ -15,7 +15,8 @@ import socket
 import struct
 import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
@@ -25,6 +26,7 @@ MAX_CONNECTIONS = 16
 MAX_SHAPES = 200  # in one request, as in view.js
 WAIT = 10.0  # s, that a page waits for a newer frame before it asks again
 TIMEOUT = 30.0  # s, for a client that says nothing or takes nothing
+THREAD = "tandem.view"  # its threads' name
 
 FOLDER = pathlib.Path(__file__).parent
 PAGE = {  # by the path that is asked for: file, type
@@ -75,11 +77,12 @@ class Server(ThreadingHTTPServer):
         self.closing = False
         self.news = threading.Condition()
         self._clients: dict[socket.socket, threading.Thread] = {}
+        self._idle: dict[socket.socket, None] = {}  # of them, those of whom nothing is being answered; oldest first
         self._clients_lock = threading.Lock()
         super().__init__(("127.0.0.1", 0), Handler)
         self.port: int = self.server_address[1]
         self.url = f"http://127.0.0.1:{self.port}/{self.token}/"
-        self._thread = threading.Thread(target=self.serve_forever, args=(0.2,), name="tandem.view", daemon=True)
+        self._thread = threading.Thread(target=self.serve_forever, args=(0.2,), name=THREAD, daemon=True)
         self._thread.start()
 
     def publish(self, frame: Frame) -> None:
@@ -100,6 +103,10 @@ class Server(ThreadingHTTPServer):
         """
         if sys.is_finalizing() or os.getpid() != self._process:
             return
+        if threading.current_thread().name == THREAD:
+            # Garbage is collected in any thread, and one of its own cannot wait for itself.
+            threading.Thread(target=self.close, name="tandem.view.close", daemon=True).start()
+            return
         with self.news:
             self.closing = True
             self.news.notify_all()
@@ -116,17 +123,46 @@ class Server(ThreadingHTTPServer):
             thread.join()
         self.server_close()
 
+    @contextmanager
+    def answering(self, request: socket.socket) -> Iterator[None]:
+        """While it lasts this connection is not idle. For who knows the token: others always are."""
+        with self._clients_lock:
+            if request not in self._idle:
+                raise ConnectionAbortedError  # it has just made room
+            del self._idle[request]
+        try:
+            yield
+        finally:
+            with self._clients_lock:
+                self._idle[request] = None
+
     # In place of ThreadingMixIn's, which knows no limit and no end of a connection.
     def process_request(self, request: Any, client_address: Any) -> None:
-        thread = threading.Thread(target=self._serve, args=(request, client_address), name="tandem.view", daemon=True)
-        with self._clients_lock:
-            full = len(self._clients) >= MAX_CONNECTIONS
-            if not full:
-                self._clients[request] = thread
-        if full:
+        thread = threading.Thread(target=self._serve, args=(request, client_address), name=THREAD, daemon=True)
+        if not self._make_room():
             self.shutdown_request(request)
-        else:
-            thread.start()
+            return
+        with self._clients_lock:
+            self._clients[request] = thread
+            self._idle[request] = None
+        thread.start()
+
+    def _make_room(self) -> bool:
+        """Whether there is: of too many connections the one that has been idle for longest goes."""
+        with self._clients_lock:
+            if len(self._clients) < MAX_CONNECTIONS:
+                return True
+            oldest = next(iter(self._idle), None)
+            if oldest is None:
+                return False
+            del self._idle[oldest]
+            thread = self._clients[oldest]
+            try:
+                oldest.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                pass  # it has gone
+        thread.join()  # what it waited for has ended
+        return True
 
     def _serve(self, request: socket.socket, client_address: Any) -> None:
         try:
@@ -137,6 +173,7 @@ class Server(ThreadingHTTPServer):
             self.shutdown_request(request)
             with self._clients_lock:
                 del self._clients[request]
+                self._idle.pop(request, None)
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -151,6 +188,10 @@ class Handler(BaseHTTPRequestHandler):
         asked = self._asked()
         if asked is None:
             return self.send_error(404)
+        with self.server.answering(self.connection):
+            self._answer(asked)
+
+    def _answer(self, asked: str) -> None:
         if asked in self.server.page:
             return self._reply(*self.server.page[asked])
         if asked == "frame":
@@ -172,8 +213,9 @@ class Handler(BaseHTTPRequestHandler):
         self.close_connection = True  # whatever else it sends is not read
         if self._asked() != "stop":
             return self.send_error(404)
-        self.server.on_stop()
-        self._reply(b"", "text/plain")
+        with self.server.answering(self.connection):
+            self.server.on_stop()
+            self._reply(b"", "text/plain")
 
     def _asked(self) -> str | None:
         """The path below the token, for who knows that and has asked for this machine by its name.

@@ -10,6 +10,7 @@ import math
 import os
 import sys
 import time
+import weakref
 import webbrowser
 from types import TracebackType
 from typing import Any
@@ -79,7 +80,7 @@ def _described(shape: Shape) -> dict[str, Any]:
 class View:
     """A page that shows a scene: what tandem.view() gives.
 
-    It is a context manager too, and ends with close().
+    It is a context manager too, and ends with close(), or when nothing refers to it any more.
     """
 
     def __init__(self, scene: Scene, *, open_browser: bool = True) -> None:
@@ -100,7 +101,14 @@ class View:
         self._restores = 0
         self._time = scene.time  # s, of the last frame
         self._due = time.monotonic()  # s, when that was to be seen
-        self._server = Server(self._stop)
+        stop = weakref.WeakMethod(self._stop)
+
+        def on_stop() -> None:
+            if method := stop():
+                method()
+
+        self._server = Server(on_stop)  # its threads do not keep what is here
+        self._closed = weakref.finalize(self, self._server.close)
         try:
             self.show(pace=False)
             print(f"tandem.view: {self.url}", flush=True)
@@ -151,7 +159,7 @@ class View:
     def close(self) -> None:
         """End: the page keeps its last picture, the port is free."""
         self._open = False
-        self._server.close()
+        self._closed()
 
     def _stop(self) -> None:
         self._open = False

@@ -150,6 +150,9 @@ bool Spawns::hear_spawn(const consensus::Event& event) {
     add(state, {reinterpret_cast<const char*>(what.data()), what.size()});
   } catch (const std::invalid_argument&) {  // `make` does not know such a thing
     return false;
+  } catch (...) {  // it fails, which the application is told
+    ++refused_;
+    throw;
   }
   return true;
 }

@@ -5,7 +5,7 @@
 #include <sodium.h>
 
 #include <array>
-#include <csignal>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -15,6 +15,7 @@
 
 #include "arguments/arguments.h"
 #include "server/room_server.h"
+#include "tandem/net/session.h"
 
 namespace {
 
@@ -81,18 +82,13 @@ int run(std::span<const std::string_view> words) {
   if (std::find(options.rooms.begin(), options.rooms.end(), room) == options.rooms.end()) {
     demos::refuse("--room", room, "sandbox, piano or tennis");
   }
-  sigset_t ends{};
-  sigemptyset(&ends);
-  sigaddset(&ends, SIGINT);
-  sigaddset(&ends, SIGTERM);
-  // Before the server's thread begins, which has the same mask.
-  pthread_sigmask(SIG_BLOCK, &ends, nullptr);
+  const net::StopSignal stop;
   const room::RoomServer server(options, room::PageFiles(page));
   std::printf("%s?room=%s%s%s\n", server.url().c_str(), room.c_str(), with_key ? "#" : "",
               with_key ? random_key().c_str() : "");
   std::fflush(stdout);
-  int signal = 0;
-  sigwait(&ends, &signal);
+  while (!stop.wait(std::chrono::hours(1))) {
+  }
   return 0;
 }
 

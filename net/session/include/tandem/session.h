@@ -52,7 +52,8 @@ struct TANDEM_API SpawnOptions {
 
   /// Makes the body that `what` describes, which has come from another member (untrusted) or from
   /// spawn(). The session sets where it stands and how it moves. Where there is no such thing it
-  /// returns BodyId{} or throws std::invalid_argument.
+  /// returns BodyId{} or throws std::invalid_argument. Whatever else it throws comes out of
+  /// advance(); that body is not made here, and the session goes on with the next one.
   std::function<pbd::BodyId(std::string_view what)> make = {};
   /// Takes a body out of the scene. It is shared no longer.
   std::function<void(pbd::BodyId)> remove = {};
