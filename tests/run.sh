@@ -18,7 +18,7 @@ if [[ ${1-} == --platform ]]; then
   shift 2 || true
 fi
 # More than half of a platform's programs: what is the systems' own (threads, sockets, files, numbers as text, bytes from
-# others, C). Of the rest each takes a minute or more to build, or minutes to run on qemu (docs/platforms.md).
+# others, C). The rest take most of the time to build, or minutes to run on qemu (docs/platforms.md).
 half=(
   pbd_threads_test pbd_allocation_test collision_threads_test scene_files_test obj_test net_test
   c_test c_session_test c_files_test room_test
