@@ -17,7 +17,8 @@ namespace tandem::pbd {
 /// Blocks of rows that lie in parts, each swept from its first block to its last or back. Blocks of
 /// two parts that share a body are swept in the order of a single thread: the later one waits until
 /// the other part has passed the earlier one. Nobody waits for anything else, so there are no
-/// barriers within a sweep, and the bits are those of one thread. [saltz1991], self-executing loops
+/// barriers within a sweep, and the bits are those of one thread.
+/// Source: [saltz1991].
 class PartSweep {
  public:
   static constexpr std::uint32_t kMost = 64;
