@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Box3D as its samples run it: four substeps, soft contacts, warm start, contact recycling,
-// continuous collision with what is fixed, with as many workers of its own as threads are asked for.
-// Never asleep unless asked and without damping, as all engines here.
+// continuous collision with what is fixed, with as many workers of its own as threads are asked
+// for. Never asleep unless asked and without damping, as all engines here.
 #include <box3d/box3d.h>
 #include <box3d/collision.h>
 

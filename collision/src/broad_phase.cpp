@@ -26,6 +26,22 @@ std::size_t place_of(const std::vector<std::uint32_t>& list, std::uint32_t index
   return found ? static_cast<std::size_t>(at - list.begin()) : list.size();
 }
 
+double margin_of(const Collider& c) { return std::min(kAabbMargin, kMarginShare * c.size); }
+/// m, room for the steps to come.
+Vec3 ahead_of(const Collider& c) { return (kAhead * c.motion().span) * c.motion().twist.linear; }
+
+bool plane_reaches(const Collider& plane, const Aabb& fat, double dt) {
+  const Vec3 n = plane.plane_normal();
+  const Vec3 middle = 0.5 * (fat.min + fat.max);
+  const Vec3 half = 0.5 * (fat.max - fat.min);
+  const double turning = plane.motion().twist.angular.norm() * dt *
+                         ((middle - plane.body.position).norm() + half.norm());
+  // Its own share of the margins, as `needed` has for the others.
+  const double own =
+      plane.margins.speculative + plane.margins.recycle + plane.travel_within(dt) + turning;
+  return n.dot(middle) - n.cwiseAbs().dot(half) <= plane.plane_offset() + own;
+}
+
 }  // namespace
 
 bool may_touch(const Collider& a, const Collider& b) {
@@ -120,24 +136,14 @@ ColliderPair& BroadPhase::append_pair(std::uint32_t low, std::uint32_t high) {
   return pairs_.back();
 }
 
-namespace {
-
-double margin_of(const Collider& c) { return std::min(kAabbMargin, kMarginShare * c.size); }
-/// m, room for the steps to come.
-Vec3 ahead_of(const Collider& c) { return (kAhead * c.motion().span) * c.motion().twist.linear; }
-
-}  // namespace
-
-bool BroadPhase::fits(std::uint32_t index, const Collider& c) const {
-  if (!placed(index) || !fat(index).contains(c.needed)) return false;
-  const Vec3 slack = (fat(index).max - fat(index).min) - (c.needed.max - c.needed.min);
-  return slack.maxCoeff() <= kShrink * margin_of(c) + 2.0 * ahead_of(c).cwiseAbs().maxCoeff();
-}
-
 bool BroadPhase::is_as_it_was(std::uint32_t index, const Collider& c) const {
   if (!c.alive) return true;
-  if (!c.finite || c.is_half_space()) return false;
-  return placed(index) && placed_fixed(index) != c.active() && (c.still || fits(index, c));
+  if (!c.finite || c.is_half_space() || !placed(index) || placed_fixed(index) == c.active())
+    return false;
+  if (c.still) return true;
+  if (!fat(index).contains(c.needed)) return false;
+  const Vec3 slack = (fat(index).max - fat(index).min) - (c.needed.max - c.needed.min);
+  return slack.maxCoeff() <= kShrink * margin_of(c) + 2.0 * ahead_of(c).cwiseAbs().maxCoeff();
 }
 
 void BroadPhase::refit(std::uint32_t index, const Collider& c) {
@@ -152,18 +158,6 @@ void BroadPhase::refit(std::uint32_t index, const Collider& c) {
   }
 }
 
-bool BroadPhase::in_reach(const Collider& plane, const Aabb& fat, double dt) const {
-  const Vec3 n = plane.plane_normal();
-  const Vec3 middle = 0.5 * (fat.min + fat.max);
-  const Vec3 half = 0.5 * (fat.max - fat.min);
-  const double turning = plane.motion().twist.angular.norm() * dt *
-                         ((middle - plane.body.position).norm() + half.norm());
-  // Its own share of the margins, as `needed` has for the others.
-  const double own =
-      plane.margins.speculative + plane.margins.recycle + plane.travel_within(dt) + turning;
-  return n.dot(middle) - n.cwiseAbs().dot(half) <= plane.plane_offset() + own;
-}
-
 bool BroadPhase::still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                              double dt) const {
   const Collider& low = colliders[pair.low];
@@ -174,8 +168,8 @@ bool BroadPhase::still_close(const ColliderPair& pair, const std::vector<Collide
       (low.is_half_space() && high.is_half_space())) {
     return false;
   }
-  if (low.is_half_space()) return in_reach(low, fat(pair.high), dt);
-  if (high.is_half_space()) return in_reach(high, fat(pair.low), dt);
+  if (low.is_half_space()) return plane_reaches(low, fat(pair.high), dt);
+  if (high.is_half_space()) return plane_reaches(high, fat(pair.low), dt);
   return fat(pair.low).overlaps(fat(pair.high));
 }
 
@@ -289,7 +283,7 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
       tree_.query(fat(i), search.stack, meet);
       if (colliders[i].active()) fixed_tree_.query(fat(i), search.stack, meet);
       for (const std::uint32_t plane : half_spaces_) {
-        if (colliders[plane].finite && in_reach(colliders[plane], fat(i), dt)) {
+        if (colliders[plane].finite && plane_reaches(colliders[plane], fat(i), dt)) {
           propose(i, plane);
         }
       }

@@ -113,12 +113,10 @@ class BroadPhase {
     any_dropped_ = false;
   }
   void unlink(std::uint32_t index);
-  bool in_reach(const Collider& plane, const Aabb& fat, double dt) const;
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
-  /// Whether its place in a tree is good for where it is and goes.
-  bool fits(std::uint32_t index, const Collider& collider) const;
-  /// Whether update() has nothing to do with it.
+  /// Whether update() has nothing to do with it: its place in a tree is good for where it is and
+  /// goes.
   bool is_as_it_was(std::uint32_t index, const Collider& collider) const;
   void refit(std::uint32_t index, const Collider& collider);
   void index_pairs();

@@ -65,13 +65,14 @@ ContactConvergence::Open ContactConvergence::open_rows(const Ends& ends, float t
 
 void ContactConvergence::find_open(float tolerance, Workers& workers) {
   octaves_.assign(static_cast<std::size_t>(workers.count()), {});
-  workers.for_chunks(ends_.size(), kBlockGrain, [&](std::size_t begin, std::size_t end, int worker) {
-    std::array<int, 256>& rows = octaves_[static_cast<std::size_t>(worker)].rows;
-    for (std::size_t k = begin; k < end; ++k) {
-      open_[k] = open_rows(ends_[k], tolerance);
-      rows[open_[k].octave] += std::popcount(open_[k].lanes);
-    }
-  });
+  workers.for_chunks(ends_.size(), kBlockGrain,
+                     [&](std::size_t begin, std::size_t end, int worker) {
+                       std::array<int, 256>& rows = octaves_[static_cast<std::size_t>(worker)].rows;
+                       for (std::size_t k = begin; k < end; ++k) {
+                         open_[k] = open_rows(ends_[k], tolerance);
+                         rows[open_[k].octave] += std::popcount(open_[k].lanes);
+                       }
+                     });
   for (std::size_t w = 1; w < octaves_.size(); ++w) {
     for (std::size_t i = 0; i < 256; ++i) octaves_[0].rows[i] += octaves_[w].rows[i];
   }

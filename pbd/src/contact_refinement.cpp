@@ -69,9 +69,11 @@ int ContactRefinement::want(std::span<const Contact> contacts,
     ++island.bodies;
   }
   shares_.resize(contacts.size());
-  ctx.workers->for_chunks(contacts.size(), kShareGrain, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t k = begin; k < end; ++k) shares_[k] = share_of(contacts[k], ctx);
-  });
+  ctx.workers->for_chunks(contacts.size(), kShareGrain,
+                          [&](std::size_t begin, std::size_t end, int) {
+                            for (std::size_t k = begin; k < end; ++k)
+                              shares_[k] = share_of(contacts[k], ctx);
+                          });
   for (std::size_t n = 0; n < contacts.size(); ++n) {
     const Share& share = shares_[sequence.empty() ? n : sequence[n]];
     if (share.island == BodyId::kNone) continue;

@@ -247,6 +247,24 @@ static double spin_of(const BodyProps& body, const Groups::Rule& rule) {
   return body.sleep_spin.value_or(rule.sleep_spin);
 }
 
+/// After the step of its island.
+static void settle_body(const Groups::Rule& rule, const IslandPart& island,
+                        std::uint8_t island_level, BodyActivity& own, SolverBody& body) {
+  std::uint8_t level = 0;
+  while (level < Groups::kMaxLevel && (rule.substeps << level) < island.wanted) ++level;
+  own.level = std::max(level, island_level);
+  if (level >= island_level) {
+    own.steps_at_lower_level = 0;
+  } else if (++own.steps_at_lower_level >= kCalmSteps) {
+    own.level = static_cast<std::uint8_t>(island_level - 1);
+    own.steps_at_lower_level = 0;
+  }
+  if (rule.sleep_after == 0.0 || !island.sleepy || !island.held || island.driven) return;
+  own.asleep = true;
+  body.v.setZero();
+  body.w.setZero();
+}
+
 void Groups::settle(const Rule& rule, double dt, Workers& workers, const Islands& islands,
                     std::span<const ConstraintEdge> edges, std::span<const double> wanted,
                     std::span<const BodyState> before, const PropsTable& props,
@@ -300,21 +318,8 @@ void Groups::settle(const Rule& rule, double dt, Workers& workers, const Islands
   if (rule.coupling != nullptr) rule.coupling->agree_rest(islands.of(), islands_);
   for_movers([&](std::uint32_t i) {
     if (rest_[i] == Rest::None) return;
-    const IslandPart& island = islands_[islands.of()[i]];
-    const std::uint8_t island_level = levels_[islands.of()[i]];
-    std::uint8_t level = 0;
-    while (level < kMaxLevel && (rule.substeps << level) < island.wanted) ++level;
-    activity[i].level = std::max(level, island_level);
-    if (level >= island_level) {
-      activity[i].steps_at_lower_level = 0;
-    } else if (++activity[i].steps_at_lower_level >= kCalmSteps) {
-      activity[i].level = static_cast<std::uint8_t>(island_level - 1);
-      activity[i].steps_at_lower_level = 0;
-    }
-    if (rule.sleep_after == 0.0 || !island.sleepy || !island.held || island.driven) return;
-    activity[i].asleep = true;
-    bodies[i].v.setZero();
-    bodies[i].w.setZero();
+    const std::uint32_t island = islands.of()[i];
+    settle_body(rule, islands_[island], levels_[island], activity[i], bodies[i]);
   });
 }
 

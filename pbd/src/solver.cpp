@@ -18,26 +18,20 @@ const StepReport& Solver::Impl::step(World& world, double dt) {
   }
   begin_step(world, dt);
   begin_groups();
-  workers_.for_tasks(static_cast<std::uint32_t>(tasks_.size()),
-                     [&](std::uint32_t k, int worker) { solve(passes_[worker], tasks_[k]); });
-  end_tasks();
-  for (const std::uint32_t group : in_turn_) solve(shared_pass_, group);
+  passes_.run(workers_, clock_, [](GroupPass& pass) {
+    for (int i = 0; i < pass.substeps(); ++i) {
+      pass.begin_substep(i);
+      pass.integrate();
+      pass.project();
+      pass.advance_poses();
+      pass.agree_velocities();
+      pass.solve_velocities();
+      pass.agree();
+    }
+  });
   end_groups();
   end_step();
   return report_;
-}
-
-void Solver::Impl::solve(GroupPass& pass, std::uint32_t group) {
-  pass.begin(groups_.all()[group], group, energies_[group]);
-  for (int i = 0; i < pass.substeps(); ++i) {
-    pass.begin_substep(i);
-    pass.integrate();
-    pass.project();
-    pass.advance_poses();
-    pass.agree_velocities();
-    pass.solve_velocities();
-    pass.agree();
-  }
 }
 
 const StepReport& Solver::Impl::refuse() {

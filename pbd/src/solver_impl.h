@@ -6,7 +6,7 @@
 
 #include "body_buffer.h"
 #include "constraint_edges.h"
-#include "group_pass.h"
+#include "group_passes.h"
 #include "groups.h"
 #include "islands.h"
 #include "stage_clock.h"
@@ -22,10 +22,7 @@ namespace tandem::pbd {
 class __attribute__((visibility("hidden"))) Solver::Impl {
  public:
   explicit Impl(const SolverOptions& options)
-      : options_(options),
-        workers_(options.threads),
-        passes_(static_cast<std::size_t>(options.threads)),
-        clocks_(static_cast<std::size_t>(options.threads)) {}
+      : options_(options), workers_(options.threads), passes_(options.threads) {}
   const SolverOptions& options() const { return options_; }
   const StepReport& report() const { return report_; }
 
@@ -36,11 +33,7 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
  private:
   // Stages.
   void begin_step(World& world, double dt);
-  /// Which groups are solved at once, and which ones in turn.
   void begin_groups();
-  /// All substeps of a group.
-  void solve(GroupPass& pass, std::uint32_t group);
-  void end_tasks();
   void end_groups();
   void end_step();
 
@@ -53,8 +46,6 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   void arrange_groups();
   Groups::Rule group_rule() const;
   void list_parts();
-  bool is_task(const Group& group) const;
-  void note_outcome(const GroupPass::Outcome& outcome);
   void note_new_overlaps();
   void note_gaps();
   /// Nothing tunnels: bodies that would get through something stop on their way.
@@ -81,16 +72,10 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   } rows_;
   Groups groups_;
   ConstraintEdges edges_;
-  std::vector<std::uint32_t> changed_;     ///< bodies whose rows were changed
-  detail::SparseArray<double> wanted_;     ///< by body: substeps that rows ask for
-  std::vector<std::uint32_t> tasks_;       ///< groups that are solved at once, the largest first
-  std::vector<std::uint32_t> in_turn_;     ///< the others
+  std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
+  detail::SparseArray<double> wanted_;  ///< by body: substeps that rows ask for
   std::vector<GroupFacts> group_facts_;
-  std::vector<ConsensusEnergy> energies_;  ///< by group
-  Workers nobody_;                         ///< shares the stages of a task
-  GroupPass shared_pass_;                  ///< of groups that are solved in turn
-  std::vector<GroupPass> passes_;          ///< by worker, of tasks
-  std::vector<StageClock> clocks_;         ///< likewise
+  GroupPasses passes_;
   std::vector<Manifold> manifolds_;
   struct {
     detail::SparseArray<Pose> after;  ///< by slot, of movers

@@ -73,16 +73,6 @@ void Solver::Impl::begin_step(World& world, double dt) {
 }
 
 void Solver::Impl::begin_groups() {
-  const std::span<const Group> groups = groups_.all();
-  energies_.assign(groups.size(), {});
-  tasks_.clear();
-  in_turn_.clear();
-  for (std::uint32_t g = 0; g < groups.size(); ++g) {
-    (is_task(groups[g]) ? tasks_ : in_turn_).push_back(g);
-  }
-  const auto work = [&](std::uint32_t g) { return groups[g].bodies.size() * groups[g].substeps; };
-  std::stable_sort(tasks_.begin(), tasks_.end(),
-                   [&](std::uint32_t l, std::uint32_t r) { return work(l) > work(r); });
   const PassStep step{.options = &options_,
                       .bodies = &bodies_,
                       .targets = &targets_,
@@ -95,48 +85,20 @@ void Solver::Impl::begin_groups() {
                       .any_rows = rows_.any,
                       .any_joints = rows_.project,
                       .context = context_};
-  shared_pass_.begin_step(step, 0, workers_, false, clock_);
-  for (int w = 0; !tasks_.empty() && w < workers_.count(); ++w) {
-    clocks_[w].start(options_.measure_stages, nullptr);
-    passes_[w].begin_step(step, w, nobody_, true, clocks_[w]);
-  }
-}
-
-/// A group is a task of one worker where there are enough others for the rest. All that it reads or
-/// writes is its own then, so that it does not matter which ones are.
-bool Solver::Impl::is_task(const Group& group) const {
-  const auto workers = static_cast<std::size_t>(workers_.count());
-  return getenv("NOTASK") == nullptr && workers > 1 && options_.observer == nullptr &&
-         world_->island_coupling_ == nullptr && !group.driven && !group.alone &&
-         workers * group.bodies.size() <= static_cast<std::size_t>(report_.awake);
-}
-
-void Solver::Impl::end_tasks() {
-  if (tasks_.empty()) return;
-  clock_.share_out(clocks_);
-  for (const GroupPass& pass : passes_) note_outcome(pass.outcome());
+  // An observer is told of stages in turn, and groups that go on in other worlds meet these there.
+  const bool at_once =
+      workers_.count() > 1 && options_.observer == nullptr && world_->island_coupling_ == nullptr;
+  passes_.begin_step(step, groups_.all(), at_once, static_cast<std::size_t>(report_.awake),
+                     workers_, clock_);
 }
 
 void Solver::Impl::end_groups() {
-  if (!in_turn_.empty()) note_outcome(shared_pass_.outcome());
-  for (const ConsensusEnergy& energy : energies_) {
-    report_.energy.velocity_agreement += energy.velocity_agreement;
-    report_.energy.potential += energy.potential;
-    report_.energy.displacement += energy.displacement;
-  }
+  passes_.end_step(report_);
   if (groups_.all().empty() || !bodies_.any_moving()) return;
   // Whatever groups have seen of them, they are at the end of the step now.
   bodies_.rewind_kinematic(world_->states_);
   const int substeps = groups_.all().back().substeps;
   for (int i = 0; i < substeps; ++i) bodies_.move_kinematic(dt_ / substeps);
-}
-
-void Solver::Impl::note_outcome(const GroupPass::Outcome& outcome) {
-  report_.substeps = std::max(report_.substeps, outcome.substeps);
-  report_.velocity_iterations += outcome.velocity_iterations;
-  for (std::size_t i = 0; i < kStageCount; ++i) {
-    report_.ran[i] = report_.ran[i] || outcome.ran[i];
-  }
 }
 
 void Solver::Impl::end_step() {

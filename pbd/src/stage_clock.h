@@ -27,8 +27,8 @@ class StageClock {
     if (observer_ != nullptr) observer_->on_stage(stage, last_, now);
     last_ = now;
   }
-  /// The time since the last call goes to stages as that of these clocks does, which have run beside
-  /// each other.
+  /// The time since the last call goes to stages as that of these clocks does, which have run
+  /// beside each other.
   void share_out(std::span<const StageClock> clocks) {
     if (!enabled_) return;
     std::array<double, kStageCount> seconds{};

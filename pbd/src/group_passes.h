@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Copyright (c) 2026 The Tandem authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "group_pass.h"
+#include "tandem/pbd/report.h"
+#include "tandem/pbd/workers.h"
+
+namespace tandem::pbd {
+
+/// The groups of a step: small ones at once, each by one worker, then the others one after the
+/// other, each by all workers.
+class GroupPasses {
+ public:
+  /// @param workers  how many there will be
+  explicit GroupPasses(int workers);
+
+  /// @param at_once  whether groups may be solved at once
+  /// @param awake    bodies of all groups
+  void begin_step(const PassStep& step, std::span<const Group> groups, bool at_once,
+                  std::size_t awake, Workers& workers, StageClock& clock);
+  /// Call solve(pass) for each group, which the pass is at.
+  void run(Workers& workers, StageClock& clock, auto&& solve) {
+    workers.for_tasks(static_cast<std::uint32_t>(tasks_.size()), [&](std::uint32_t k, int worker) {
+      solve(at(passes_[static_cast<std::size_t>(worker)], tasks_[k]));
+    });
+    if (!tasks_.empty()) clock.share_out(clocks_);
+    for (const std::uint32_t group : in_turn_) solve(at(shared_, group));
+  }
+  void end_step(StepReport& report) const;
+
+ private:
+  GroupPass& at(GroupPass& pass, std::uint32_t group) {
+    pass.begin(groups_[group], group, energies_[group]);
+    return pass;
+  }
+
+  std::span<const Group> groups_;
+  std::vector<std::uint32_t> tasks_;       ///< groups that are solved at once, the largest first
+  std::vector<std::uint32_t> in_turn_;     ///< the others
+  std::vector<ConsensusEnergy> energies_;  ///< by group
+  Workers nobody_;                         ///< shares the stages of a task
+  GroupPass shared_;                       ///< of groups that are solved in turn
+  std::vector<GroupPass> passes_;          ///< by worker, of tasks
+  std::vector<StageClock> clocks_;         ///< likewise
+};
+
+}  // namespace tandem::pbd
