@@ -27,7 +27,7 @@ void for_moving(const ContactLink& link, auto&& visit) {
 
 std::uint32_t parts_of(std::uint32_t contacts, std::uint32_t levels, std::uint32_t workers) {
   if (contacts == 0) return 1;
-  return std::clamp(contacts / (kWide * levels), 1u, std::min(workers, PartSweep::kMost));
+  return std::clamp(contacts / (kWide * levels), 1u, std::min(workers, PartSweep::kMaxParts));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ namespace tandem::pbd {
 /// Source: [saltz1991].
 class PartSweep {
  public:
-  static constexpr std::uint32_t kMost = 64;
+  static constexpr std::uint32_t kMaxParts = 64;
 
   /// Begin anew. @param begins  the first block of each part and the end of the last one
   void start(std::span<const std::uint32_t> begins);
@@ -151,7 +151,7 @@ class PartSweep {
   std::vector<Part> parts_;
   std::vector<std::uint32_t> need_of_;  ///< by block: into need_, or kNone
   std::vector<std::uint32_t> need_;     ///< twice one for each part
-  std::unique_ptr<State[]> state_ = std::make_unique<State[]>(kMost);
+  std::unique_ptr<State[]> state_ = std::make_unique<State[]>(kMaxParts);
 };
 
 }  // namespace tandem::pbd

@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMost = 64;
+constexpr int kMaxWorkers = 64;
 /// For so long a thread looks for what it waits for before it sleeps. Between two stages that are
 /// shared there are some 0.1 ms of others, and in a virtual machine a thread that is woken comes as
 /// late: with 50 us a heap of 8000 cubes takes 1.2 times longer on eight cores than with 300.
@@ -87,7 +87,7 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
   std::atomic<bool> stop{false};
   Clock::time_point alone_until{};
   std::vector<Seat> seats;  ///< by worker
-  std::array<Range, kMost> ranges;
+  std::array<Range, kMaxWorkers> ranges;
   std::vector<std::thread> threads;
 
   explicit Team(int count) : seats(static_cast<std::size_t>(count)) {}
@@ -136,7 +136,7 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
 };
 
 Workers::Workers(int count) : count_(count) {
-  if (count < 1 || count > kMost) {
+  if (count < 1 || count > kMaxWorkers) {
     detail::refuse("Workers: count", "from 1 to 64", count);
   }
   if (count == 1) return;
