@@ -184,8 +184,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
     has_moved_[i] = 1;
     flagged_.push_back(i);
   };
-  bool plane_moves = false;
-  bool all_finite = true;
+  bool plane_moves = false, all_finite = true;
   stays_.resize(watched.size());
   workers.for_chunks(watched.size(), kLookGrain, [&](std::size_t begin, std::size_t end, int) {
     for (std::size_t k = begin; k < end; ++k) {
