@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "contact_gravity.h"
+#include "tandem/pbd/workers.h"
 
 namespace tandem::pbd {
 namespace {
