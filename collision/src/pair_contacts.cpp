@@ -176,7 +176,8 @@ void PairContacts::collect(std::span<const Collider> colliders, std::span<Collid
     seams_.add(workers_[0].fixed, 0);
   } else {
     // Each worker writes to a list of its own; the chunks are then put together in order.
-    chunks_.resize((pairs.size() + kPairGrain - 1) / kPairGrain);
+    // Few may come as one: the others are empty then.
+    chunks_.assign((pairs.size() + kPairGrain - 1) / kPairGrain, {});
     workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
       Worker& worker = workers_[static_cast<std::size_t>(w)];
       Chunk& chunk = chunks_[begin / kPairGrain];

@@ -203,8 +203,11 @@ void BodyBuffer::mark_turned(const World& world, std::span<const ConstraintEdge>
 
 void BodyBuffer::move_kinematic(double h) {
   for (const std::uint32_t i : kinematic_) {
-    bodies_[i].x += h * bodies_[i].v;
-    bodies_[i].q = rotated(bodies_[i].q, h * bodies_[i].w);
+    SolverBody& body = bodies_[i];
+    // What stands may be in any group, and stays bit for bit.
+    if (body.v.isZero(0.0) && body.w.isZero(0.0)) continue;
+    body.x += h * body.v;
+    body.q = rotated(body.q, h * body.w);
   }
 }
 

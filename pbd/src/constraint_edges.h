@@ -23,15 +23,20 @@ class ConstraintEdges {
     edges_.clear();
     idle_.clear();
     single_.clear();
+    names_all_ = true;
     projecting_ = 0;
     for (const auto& block : world.blocks()) {
       if (block.get() == world.contacts()) continue;
       const std::size_t before = edges_.size();
+      const std::size_t idle_before = idle_.size();
       block->append_edges(edges_);
       block->append_idle(idle_);
       if (!block->groups_at_once()) {
         single_.insert(single_.end(), edges_.begin() + static_cast<std::ptrdiff_t>(before),
                        edges_.end());
+        single_.insert(single_.end(), idle_.begin() + static_cast<std::ptrdiff_t>(idle_before),
+                       idle_.end());
+        names_all_ = names_all_ && (block->empty() || edges_.size() > before);
       }
       if (!is_last(*block)) projecting_ = edges_.size();
     }
@@ -46,6 +51,8 @@ class ConstraintEdges {
   std::span<const ConstraintEdge> without_contacts() const { return all().first(contacts_); }
   /// Those of blocks that are asked for one group at a time.
   std::span<const ConstraintEdge> of_single_groups() const { return single_; }
+  /// Whether each of those blocks has named bodies: one that has not may act on any.
+  bool names_all() const { return names_all_; }
 
  private:
   std::vector<ConstraintEdge> edges_;
@@ -53,6 +60,7 @@ class ConstraintEdges {
   std::vector<ConstraintEdge> single_;
   std::size_t projecting_ = 0;
   std::size_t contacts_ = 0;
+  bool names_all_ = true;
 };
 
 }  // namespace tandem::pbd

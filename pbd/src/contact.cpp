@@ -96,9 +96,11 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   m.order.build(arranged, m.cells, ctx.bodies.size(), ctx.movers,
                 static_cast<std::uint32_t>(ctx.team));
   m.count_levels(ctx.groups);
-  m.groups.resize(static_cast<std::size_t>(ctx.team));
+  const auto team = static_cast<std::size_t>(ctx.team);
+  if (team > m.groups.size()) m.groups.resize(team);
+  const std::size_t most = m.most_blocks_at_once(ctx.groups);
   for (ContactGroup& group : m.groups) {
-    if (m.any_restitution) group.impacts.reserve(ctx.bodies.size());
+    group.reserve(most, ctx.bodies.size(), m.any_restitution);
     group.extra_rows = group.refined_rows = group.open_rows = 0;
   }
   m.pushed.resize(ctx.bodies.size());
@@ -110,10 +112,7 @@ void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
   const auto places = order.places(ctx.group);
   const std::size_t blocks = places.size() / kLanes;
   ContactGroup& own = group(ctx);
-  if (blocks > own.room.capacity()) {
-    own.room = {};  // made anew for each group: nothing has to be copied, or be there twice
-    own.room.reserve(blocks + blocks / 4);
-  }
+  own.make_room(blocks);
   // What is in reserve takes no memory before it is written to.
   if (blocks > own.room.size()) own.room.resize(blocks);
   own.rows = std::span(own.room).first(blocks);

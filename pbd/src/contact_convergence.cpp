@@ -25,6 +25,13 @@ constexpr int kNotWorthIt = 8;
 
 }  // namespace
 
+void ContactConvergence::reserve(std::size_t blocks, std::size_t bodies) {
+  moved_.resize(bodies);
+  ends_.reserve(blocks);
+  open_.reserve(blocks);
+  octaves_.reserve(1);
+}
+
 ContactConvergence::Ends ContactConvergence::ends_of(const ContactRows& rows,
                                                      std::span<const SolverBody> bodies) {
   Ends ends{rows.a, rows.b, {}, lanes_in_use(rows)};

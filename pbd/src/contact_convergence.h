@@ -34,6 +34,8 @@ class ContactConvergence {
     int open = 0;   ///< rows, in blocks above the tolerance that were left
   };
 
+  /// Room for groups of so many blocks.
+  void reserve(std::size_t blocks, std::size_t bodies);
   /// @param rows  of the group     @param reverse  the direction of the first sweep
   Outcome run(const Rule& rule, ContactOrder& order, std::uint32_t group, bool reverse,
               std::span<ContactRows> rows, const ContactKernels& kernels,

@@ -40,7 +40,9 @@ void for_bodies(const ContactRows& rows, LaneMask lanes, auto&& visit) {
 
 }  // namespace
 
-void ContactImpacts::reserve(std::size_t bodies) {
+void ContactImpacts::reserve(std::size_t bodies, std::size_t blocks) {
+  blows_.reserve(blocks);
+  open_.reserve(blocks);
   before_.resize(bodies);
   reached_.resize(bodies);
   moved_.resize(bodies);
@@ -152,7 +154,8 @@ void ContactImpacts::run(std::span<ContactRows> rows, const ContactKernels& kern
     passes_on = passes_on || coupled || !open_.empty();
   }
   // Where nothing passed on, each row has its bounce already.
-  for (std::uint32_t k = 0; passes_on && k < rows.size(); ++k) {
+  for (std::uint32_t n = 0; passes_on && n < rows.size(); ++n) {
+    const std::uint32_t k = order_.empty() ? n : order_[n];
     if (blows_[k].struck != 0) kernels.settle(rows[k], blows_[k], numbers);
   }
   for_ends(rows, [&](std::uint32_t i) {

@@ -24,8 +24,8 @@ namespace tandem::pbd {
 /// restitution, and what approaches more slowly than its neighbour waits.
 class ContactImpacts {
  public:
-  /// Room for a step with so many.
-  void reserve(std::size_t bodies);
+  /// Room for a step with so many bodies, and groups of so many blocks.
+  void reserve(std::size_t bodies, std::size_t blocks);
   /// Velocities as they are before the substep, and impulses as it begins with them.
   /// @param slow  m/s, slower impacts do not bounce
   /// @param order  of blocks; empty: as they lie     @pre what it views lasts until run()

@@ -36,6 +36,20 @@ struct ContactGroup {
   int budget_spent = 0;      ///< rows of refinement, see ContactBlock::Impl::spent()
   bool turned = false;       ///< poses have been advanced since rows were made or renewed
   bool joined = false;       ///< some row is of a body on joints
+  /// Room for any group of those that are solved at once: which ones come is not known.
+  void reserve(std::size_t blocks, std::size_t bodies, bool bounces) {
+    if (blocks > 0) {
+      make_room(blocks);
+      convergence.reserve(blocks, bodies);
+    }
+    if (bounces) impacts.reserve(bodies, blocks);
+  }
+  void make_room(std::size_t blocks) {
+    if (blocks <= room.capacity()) return;
+    room = {};  // made anew for each group: nothing has to be copied, or be there twice
+    room.reserve(blocks + blocks / 4);
+  }
+
   // Of all groups in this step that were solved here:
   int extra_rows = 0;    ///< swept again
   int refined_rows = 0;  ///< of substeps beyond those of the solver
@@ -86,6 +100,13 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
 
   ContactGroup& group(const SubstepContext& ctx) {
     return groups[static_cast<std::size_t>(ctx.worker)];
+  }
+  std::size_t most_blocks_at_once(std::span<const GroupFacts> all) const {
+    std::size_t most = 0;
+    for (std::uint32_t g = 0; g < all.size(); ++g) {
+      if (all[g].at_once) most = std::max(most, order.places(g).size() / kLanes);
+    }
+    return most;
   }
   void add_up_groups() {
     extra_rows = refined_rows = open_rows = 0;

@@ -48,16 +48,21 @@ void ContactBlock::Impl::match(std::span<const Manifold> manifolds, Workers& wor
     auto old = std::lower_bound(
         contacts.begin(), contacts.end(), manifolds[begin].key,
         [](const Contact& contact, std::uint64_t key) { return contact.manifold.key < key; });
+    // Equal keys one by one: each contact goes on as one.
+    for (std::size_t i = begin; i > 0 && manifolds[i - 1].key == manifolds[begin].key; --i) {
+      if (old != contacts.end() && old->manifold.key == manifolds[begin].key) ++old;
+    }
     for (std::size_t i = begin; i < end; ++i) {
       const Manifold& manifold = manifolds[i];
       rubs = rubs || manifold.friction > 0.0;
       bounces = bounces || manifold.restitution > 0.0;
       while (old != contacts.end() && old->manifold.key < manifold.key) ++old;
-      const bool found = old != contacts.end() && old->manifold.key == manifold.key &&
-                         same_pair(old->manifold, manifold);
-      const auto place = static_cast<std::uint32_t>(old - contacts.begin());
-      old_place[i] = found ? place : ContactOrder::kNone;
-      if (found) goes_on[place] = 1;
+      old_place[i] = ContactOrder::kNone;
+      if (old == contacts.end() || old->manifold.key != manifold.key) continue;
+      const auto place = static_cast<std::uint32_t>(old++ - contacts.begin());
+      if (!same_pair(contacts[place].manifold, manifold)) continue;
+      old_place[i] = place;
+      goes_on[place] = 1;
     }
     if (rubs) friction.store(true, std::memory_order_relaxed);
     if (bounces) restitution.store(true, std::memory_order_relaxed);

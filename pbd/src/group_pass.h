@@ -48,6 +48,10 @@ class GroupPass {
   /// @param at_once  whether other groups are solved at the same time
   void begin_step(const PassStep& step, int worker, Workers& workers, bool at_once,
                   StageClock& clock);
+  /// Room for groups of so many bodies: which ones come is not known.
+  void reserve(std::size_t bodies) {
+    if (step_.context.shared) targets_.reserve(bodies);
+  }
   /// @param energy  what agreement did to the group is added to it
   void begin(const Group& group, std::uint32_t number, ConsensusEnergy& energy);
   int substeps() const { return context_.substeps; }

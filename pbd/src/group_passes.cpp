@@ -9,20 +9,14 @@ namespace tandem::pbd {
 GroupPasses::GroupPasses(int workers)
     : passes_(static_cast<std::size_t>(workers)), clocks_(static_cast<std::size_t>(workers)) {}
 
-void GroupPasses::begin_step(const PassStep& step, std::span<const Group> groups, bool at_once,
-                             std::size_t awake, Workers& workers, StageClock& clock) {
+void GroupPasses::begin_step(const PassStep& step, std::span<const Group> groups, Workers& workers,
+                             StageClock& clock) {
   groups_ = groups;
   energies_.assign(groups.size(), {});
-  // A group is a task where there are enough others for the rest. All that it reads or writes is
-  // its own then, so that it does not matter which ones are.
-  const auto is_task = [&](const Group& group) {
-    return at_once && !group.driven && !group.alone &&
-           passes_.size() * group.bodies.size() <= awake;
-  };
   tasks_.clear();
   in_turn_.clear();
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
-    (is_task(groups[g]) ? tasks_ : in_turn_).push_back(g);
+    (step.context.groups[g].at_once ? tasks_ : in_turn_).push_back(g);
   }
   const auto work = [&](std::uint32_t g) {
     return groups[g].bodies.size() * static_cast<std::size_t>(groups[g].substeps);
@@ -32,9 +26,11 @@ void GroupPasses::begin_step(const PassStep& step, std::span<const Group> groups
   });
   shared_.begin_step(step, 0, workers, false, clock);
   if (tasks_.empty()) return;
+  const std::size_t largest = groups[tasks_.front()].bodies.size();
   for (std::size_t w = 0; w < passes_.size(); ++w) {
     clocks_[w].start(step.options->measure_stages, nullptr);
     passes_[w].begin_step(step, static_cast<int>(w), nobody_, true, clocks_[w]);
+    passes_[w].reserve(largest);
   }
 }
 

@@ -19,10 +19,9 @@ class GroupPasses {
   /// @param workers  how many there will be
   explicit GroupPasses(int workers);
 
-  /// @param at_once  whether groups may be solved at once
-  /// @param awake    bodies of all groups
-  void begin_step(const PassStep& step, std::span<const Group> groups, bool at_once,
-                  std::size_t awake, Workers& workers, StageClock& clock);
+  /// @pre groups have their facts in the step's context
+  void begin_step(const PassStep& step, std::span<const Group> groups, Workers& workers,
+                  StageClock& clock);
   /// Call solve(pass) for each group, which the pass is at.
   void run(Workers& workers, StageClock& clock, auto&& solve) {
     workers.for_tasks(static_cast<std::uint32_t>(tasks_.size()), [&](std::uint32_t k, int worker) {

@@ -85,15 +85,15 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
       }
     }
   }
-  /// Those of the group.
+  /// Those of the group. Of others no more is read than which group they are of: they may be solved
+  /// at the same time.
   void for_shared(const SubstepContext& ctx, auto&& visit) {
     for (JointRecord& record : records) {
-      if (!record.active() || !is_shared(record, ctx.bodies)) continue;
       const SixDofJointDef& def = record.def;
-      if (ctx.bodies[def.b.index].group == ctx.group ||
-          (def.a.valid() && ctx.bodies[def.a.index].group == ctx.group)) {
-        visit(record);
-      }
+      const bool in =
+          record.alive && (ctx.bodies[def.b.index].group == ctx.group ||
+                           (def.a.valid() && ctx.bodies[def.a.index].group == ctx.group));
+      if (in && record.active() && is_shared(record, ctx.bodies)) visit(record);
     }
   }
   /// Whether any of its coordinates has a row and any of its ends can move.

@@ -85,11 +85,7 @@ void Solver::Impl::begin_groups() {
                       .any_rows = rows_.any,
                       .any_joints = rows_.project,
                       .context = context_};
-  // An observer is told of stages in turn, and groups that go on in other worlds meet these there.
-  const bool at_once =
-      workers_.count() > 1 && options_.observer == nullptr && world_->island_coupling_ == nullptr;
-  passes_.begin_step(step, groups_.all(), at_once, static_cast<std::size_t>(report_.awake),
-                     workers_, clock_);
+  passes_.begin_step(step, groups_.all(), workers_, clock_);
 }
 
 void Solver::Impl::end_groups() {
@@ -219,14 +215,22 @@ void Solver::Impl::arrange_groups() {
   groups_.arrange(group_rule(), islands_, bodies_.movers(), changed_, edges_.all(), pose_targets_,
                   world_->props_, world_->activity_, bodies_.all());
   groups_.note_apart(edges_, bodies_.any_moving(), bodies_.all());
-  if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.movers(), bodies_.all());
-  report_.groups = static_cast<int>(groups_.all().size());
-  group_facts_.clear();
-  for (const Group& group : groups_.all()) {
-    group_facts_.push_back({.substeps = group.substeps, .one_island = group.islands == 1});
-  }
   report_.awake = 0;
   for (const Group& group : groups_.all()) report_.awake += static_cast<int>(group.bodies.size());
+  // An observer is told of stages in turn, and groups that go on in other worlds meet these there.
+  const bool at_once = workers_.count() > 1 && options_.observer == nullptr &&
+                       world_->island_coupling_ == nullptr && edges_.names_all();
+  // A group is a task of one worker where there are enough others for the rest.
+  const auto most = static_cast<std::size_t>(report_.awake / workers_.count());
+  group_facts_.clear();
+  for (const Group& group : groups_.all()) {
+    group_facts_.push_back(
+        {.substeps = group.substeps,
+         .one_island = group.islands == 1,
+         .at_once = at_once && !group.driven && !group.alone && group.bodies.size() <= most});
+  }
+  if (!targets_.empty()) targets_.mark_islands(islands_.of(), bodies_.movers(), bodies_.all());
+  report_.groups = static_cast<int>(groups_.all().size());
   rows_.project = false;
   rows_.any = false;
   if (groups_.all().empty()) return;

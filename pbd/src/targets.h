@@ -67,6 +67,11 @@ class Targets {
 class GroupTargets {
  public:
   void select(Targets& all, const Group& group, std::span<const SolverBody> bodies);
+  /// Room for groups of so many bodies.
+  void reserve(std::size_t bodies) {
+    rows_.reserve(bodies);
+    saved_.reserve(bodies);
+  }
   /// Whether some island of the group has a target.
   bool any() const { return !saved_.empty(); }
 

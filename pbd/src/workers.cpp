@@ -23,7 +23,8 @@ constexpr int kMaxWorkers = 64;
 /// shared there are some 0.1 ms of others, and in a virtual machine a thread that is woken comes as
 /// late: with 50 us a heap of 8000 cubes takes 1.2 times longer on eight cores than with 300.
 constexpr std::chrono::milliseconds kPatience{1};
-/// A thread that waits longer for others waits for one that the machine has put aside.
+/// A thread that waits longer for others, but at the end of tasks, waits for one that the machine
+/// has put aside.
 constexpr std::chrono::microseconds kPutAside{500};
 /// The calling thread then works alone for so many times what it has lost.
 constexpr int kAlone = 10;
@@ -149,7 +150,7 @@ Workers::Workers(int count) : count_(count) {
 
 Workers::~Workers() = default;
 
-void Workers::meet(Task task, void* context) {
+void Workers::meet(Task task, void* context, bool short_parts) {
   if (count_ == 1 || Clock::now() < team_->alone_until) {
     task(context, 0);
     return;
@@ -162,7 +163,7 @@ void Workers::meet(Task task, void* context) {
   task(context, 0);
   team.job.fetch_add(1);
   const auto waited = team.seats[0].bed.wait_until([&] { return !team.any_seated(); });
-  note_lost(waited);
+  if (short_parts) note_lost(waited);
 }
 
 void Workers::note_lost(Clock::duration waited) {
@@ -187,7 +188,7 @@ void Workers::run_chunks(std::uint32_t chunks, Visit visit, void* context) {
       }
     }
   };
-  meet([](void* f, int worker) { (*static_cast<decltype(work)*>(f))(worker); }, &work);
+  meet([](void* f, int worker) { (*static_cast<decltype(work)*>(f))(worker); }, &work, true);
 }
 
 void Workers::run_tasks(std::uint32_t tasks, Visit visit, void* context) {
@@ -200,7 +201,7 @@ void Workers::run_tasks(std::uint32_t tasks, Visit visit, void* context) {
       visit(context, task, worker);
     }
   };
-  meet([](void* f, int worker) { (*static_cast<decltype(work)*>(f))(worker); }, &work);
+  meet([](void* f, int worker) { (*static_cast<decltype(work)*>(f))(worker); }, &work, false);
 }
 
 }  // namespace tandem::pbd

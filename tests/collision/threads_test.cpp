@@ -74,4 +74,65 @@ TEST_CASE("threads: a heap has the same bits on one, two, three and eight thread
   for (const std::uint64_t hash : hashes) CHECK(hash == hashes[0]);
 }
 
+TEST_CASE("threads: contacts stay those of one thread as a world gets smaller",
+          "[collision][unit]") {
+  std::vector<std::vector<std::byte>> expected;
+  for (const int threads : {1, 2, 4}) {
+    Fixture f;
+    f.fixed(HalfSpace{});
+    std::vector<BodyId> boxes;
+    for (int i = 0; i < 900; ++i) {
+      boxes.push_back(f.add(Box{Vec3::Constant(0.1)}, at(0.5 * (i % 30), 0.5 * (i / 30), 0.1001)));
+    }
+    f.world.set_contact_source(&f.scene);
+    Solver solver({.threads = threads});
+    std::size_t step = 0;
+    const auto run = [&](int steps, std::size_t contacts) {
+      for (int k = 0; k < steps; ++k, ++step) {
+        solver.step(f.world, kDt);
+        CHECK(f.world.contacts()->contacts().size() == contacts);
+        if (threads == 1) {
+          expected.push_back(f.world.snapshot());
+        } else if (f.world.snapshot() != expected[step]) {
+          FAIL(threads << " threads part from one in step " << step);
+        }
+      }
+    };
+    run(3, 900);
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      if (i % 3 != 0) f.world.remove_body(boxes[i]);
+    }
+    run(3, 300);
+  }
+}
+
+TEST_CASE("threads: blows pass through a large island by the same bits", "[collision][unit]") {
+  std::vector<std::uint64_t> expected;
+  for (const int threads : {1, 2, 4}) {
+    Fixture f;
+    const tandem::collision::Material bouncy{.restitution = 0.6};
+    const BodyId ground = f.world.add_body({.type = tandem::pbd::BodyType::Static});
+    f.scene.add(f.world, {.body = ground, .shape = HalfSpace{}, .material = bouncy});
+    for (int i = 0; i < 2400; ++i) {
+      tandem::pbd::BodyDef def{
+          .pose = at(0.2 * (i % 20), 0.2 * (i / 20 % 20), 0.101 + 0.2 * (i / 400))};
+      def.twist.linear = Vec3(0.01 * (i % 7), 0.013 * (i % 5), -3.0 - 0.01 * (i % 11));
+      f.scene.add(
+          f.world,
+          {.body = f.world.add_body(def), .shape = Box{Vec3::Constant(0.1)}, .material = bouncy});
+    }
+    f.world.set_contact_source(&f.scene);
+    Solver solver({.threads = threads});
+    for (std::size_t step = 0; step < 3; ++step) {
+      solver.step(f.world, kDt);
+      CHECK(f.world.contacts()->contacts().size() > 4096);
+      if (threads == 1) {
+        expected.push_back(f.world.hash());
+      } else if (f.world.hash() != expected[step]) {
+        FAIL(threads << " threads part from one in step " << step);
+      }
+    }
+  }
+}
+
 }  // namespace collision_threads_test

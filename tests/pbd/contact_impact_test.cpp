@@ -296,6 +296,15 @@ TEST_CASE("contact: forces follow their feature, else the nearest anchor", "[pbd
     CHECK(block.contacts()[0].force[1] == 0.0);
     CHECK(block.contacts()[0].force[2] == 1.0);
   }
+  SECTION("one by one where several have the same key") {
+    const auto kept = block_with_rows();
+    ContactBlock& block = *kept;
+    std::vector<Manifold> next(2, manifold({point(0.0, 11)}));
+    block.set_manifolds(next, workers);
+    REQUIRE(block.contacts().size() == 2);
+    CHECK(block.contacts()[0].force[0] == 2.0);
+    CHECK(block.contacts()[1].force[0] == 0.0);
+  }
   SECTION("not across pairs") {
     const auto kept = block_with_rows();
     ContactBlock& block = *kept;

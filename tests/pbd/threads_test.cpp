@@ -122,6 +122,23 @@ struct Chains {
   }
 };
 
+/// Acts on all bodies of a group, none of which it names beforehand.
+class Field final : public ConstraintBlock {
+ public:
+  std::string_view name() const override { return "field"; }
+  int order() const override { return 0; }
+  bool empty() const override { return false; }
+  double project(const SubstepContext& ctx) override {
+    bodies += static_cast<int>(ctx.members.size());
+    return 0.0;
+  }
+  BlockReport report() const override { return {.name = name()}; }
+  void save(ByteWriter&) const override {}
+  void load(ByteReader&) override {}
+
+  int bodies = 0;  ///< of all groups and substeps
+};
+
 }  // namespace
 
 TEST_CASE("threads: every index is given out once", "[pbd][unit]") {
@@ -238,6 +255,17 @@ TEST_CASE("threads: groups with all kinds of rows have the same bits solved at o
         FAIL(threads << " threads part from one in step " << i);
       }
     }
+  }
+}
+
+TEST_CASE("threads: a block that names no bodies is asked for all groups, in turn", "[pbd][unit]") {
+  for (const int threads : {1, 3}) {
+    World world;
+    auto& field = world.add_block<Field>();
+    for (int i = 0; i < 2000; ++i) world.add_body({});
+    Solver solver({.substeps = 1, .sleep_after = 0.0, .threads = threads});
+    CHECK(solver.step(world, kFrame).groups > 3);
+    CHECK(field.bodies == 2000);
   }
 }
 

@@ -75,6 +75,7 @@ enum class SolveOrder : int { Compliant = 0, Joint = 100, Contact = 200 };
 struct GroupFacts {
   int substeps = 1;
   bool one_island = false;
+  bool at_once = false;  ///< other groups are solved at the same time
 };
 
 /// What a block is told about the substep.

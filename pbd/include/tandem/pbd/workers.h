@@ -36,10 +36,10 @@ class TANDEM_API Workers {
   int count() const { return count_; }
 
   /// Call f(begin, end, worker) on consecutive chunks that cover [0, size), each of at most `grain`
-  /// indices. Each worker begins with its own part of them, the same one for the same size: its
-  /// caches have what it had in hand before. Then it helps the others. Few chunks are left to the
-  /// calling thread, as one: what they are about is in its caches. Allocates nothing. f must not
-  /// throw.
+  /// indices, the first one from 0, the next from `grain` and so on. Each worker begins with its
+  /// own part of them, the same one for the same size: its caches have what it had in hand before.
+  /// Then it helps the others. Fewer than eight chunks are left to the calling thread, in one call
+  /// with all of them: what they are about is in its caches. Allocates nothing. f must not throw.
   template <class F>
   void for_chunks(std::size_t size, std::size_t grain, F&& f) {
     if (count_ == 1 || size < kFew * grain) {
@@ -68,7 +68,7 @@ class TANDEM_API Workers {
   /// Call f(task, worker) for the tasks from 0 to count - 1, begun in this order.
   template <class F>
   void for_tasks(std::uint32_t count, F&& f) {
-    if (count_ == 1 || count == 1) {
+    if (count_ == 1 || count <= 1) {
       for (std::uint32_t task = 0; task < count; ++task) f(task, 0);
       return;
     }
@@ -81,7 +81,7 @@ class TANDEM_API Workers {
   void for_each(F&& f) {
     meet([](void* context,
             int worker) { (*static_cast<std::remove_reference_t<F>*>(context))(worker); },
-         pointer_to(f));
+         pointer_to(f), true);
   }
 
   /// The calling thread has waited for so long at a time. @pre several workers
@@ -114,7 +114,8 @@ class TANDEM_API Workers {
 
   void run_chunks(std::uint32_t chunks, Visit visit, void* context);
   void run_tasks(std::uint32_t tasks, Visit visit, void* context);
-  void meet(Task task, void* context);
+  /// @param short_parts  a long wait for others says that the machine has put one aside
+  void meet(Task task, void* context, bool short_parts);
 
   struct Team;
   int count_ = 1;
