@@ -188,7 +188,7 @@ void Workers::run_chunks(std::uint32_t chunks, Visit visit, void* context) {
       }
     }
   };
-  meet([](void* f, int worker) { (*static_cast<decltype(work)*>(f))(worker); }, &work, true);
+  meet(detail::act<decltype(work)>, &work, true);
 }
 
 void Workers::run_tasks(std::uint32_t tasks, Visit visit, void* context) {
@@ -201,7 +201,7 @@ void Workers::run_tasks(std::uint32_t tasks, Visit visit, void* context) {
       visit(context, task, worker);
     }
   };
-  meet([](void* f, int worker) { (*static_cast<decltype(work)*>(f))(worker); }, &work, false);
+  meet(detail::act<decltype(work)>, &work, false);
 }
 
 }  // namespace tandem::pbd

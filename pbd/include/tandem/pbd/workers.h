@@ -8,11 +8,23 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <type_traits>
 
 #include "tandem/pbd/export.h"
 
 namespace tandem::pbd {
+
+namespace detail {
+
+template <class F>
+void act(void* f, int worker) {
+  (*static_cast<F*>(f))(worker);
+}
+template <class F>
+void visit(void* f, std::uint32_t index, int worker) {
+  (*static_cast<F*>(f))(index, worker);
+}
+
+}  // namespace detail
 
 /// A fixed team of threads for the stages of one step; the calling thread is worker 0. Whoever of
 /// the others is awake helps: a worker that the machine has put aside takes no work, and nobody
@@ -46,11 +58,12 @@ class TANDEM_API Workers {
       if (size > 0) f(std::size_t{0}, size, 0);
       return;
     }
-    const auto visit = [&](std::uint32_t chunk, int worker) {
+    auto visit = [&](std::uint32_t chunk, int worker) {
       const std::size_t begin = chunk * grain;
       f(begin, std::min(size, begin + grain), worker);
     };
-    share(static_cast<std::uint32_t>((size + grain - 1) / grain), visit);
+    run_chunks(static_cast<std::uint32_t>((size + grain - 1) / grain),
+               detail::visit<decltype(visit)>, &visit);
   }
 
   /// Whether f(begin, end) of some chunk is true. Once one is, others may not be asked.
@@ -72,16 +85,16 @@ class TANDEM_API Workers {
       for (std::uint32_t task = 0; task < count; ++task) f(task, 0);
       return;
     }
-    share_in_order(count, f);
+    auto visit = [&](std::uint32_t task, int worker) { f(task, worker); };
+    run_tasks(count, detail::visit<decltype(visit)>, &visit);
   }
 
   /// Call f(worker) by each worker that comes while the calling one is at it: f has to do all of
   /// the work, however few come.
   template <class F>
   void for_each(F&& f) {
-    meet([](void* context,
-            int worker) { (*static_cast<std::remove_reference_t<F>*>(context))(worker); },
-         pointer_to(f), true);
+    auto task = [&](int worker) { f(worker); };
+    meet(detail::act<decltype(task)>, &task, true);
   }
 
   /// The calling thread has waited for so long at a time. @pre several workers
@@ -92,25 +105,6 @@ class TANDEM_API Workers {
 
   using Task = void (*)(void* context, int worker);
   using Visit = void (*)(void* context, std::uint32_t index, int worker);
-
-  template <class F>
-  static void* pointer_to(F& f) {
-    return const_cast<void*>(static_cast<const void*>(&f));
-  }
-  template <class F>
-  static Visit visit_of() {
-    return [](void* context, std::uint32_t index, int worker) {
-      (*static_cast<F*>(context))(index, worker);
-    };
-  }
-  template <class F>
-  void share(std::uint32_t chunks, F& f) {
-    run_chunks(chunks, visit_of<F>(), pointer_to(f));
-  }
-  template <class F>
-  void share_in_order(std::uint32_t tasks, F& f) {
-    run_tasks(tasks, visit_of<F>(), pointer_to(f));
-  }
 
   void run_chunks(std::uint32_t chunks, Visit visit, void* context);
   void run_tasks(std::uint32_t tasks, Visit visit, void* context);
