@@ -50,8 +50,10 @@ class Batch {
     std::vector<std::uint8_t> failed(scenes_.size());
     {
       const py::gil_scoped_release released;
-      workers_.for_chunks(scenes_.size(), kGrain, [&](std::size_t begin, std::size_t end, int) {
-        for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t tasks = (scenes_.size() + kGrain - 1) / kGrain;
+      workers_.for_tasks(static_cast<std::uint32_t>(tasks), [&](std::uint32_t task, int) {
+        const std::size_t end = std::min(scenes_.size(), (task + 1) * kGrain);
+        for (std::size_t i = task * kGrain; i < end; ++i) {
           for (int k = 0; k < steps && failed[i] == 0; ++k) {
             failed[i] = access[i]->step(dt).status != pbd::StepStatus::Ok ? 1 : 0;
           }
