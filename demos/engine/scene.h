@@ -133,7 +133,7 @@ Vec3 principal_inertia(const SceneShape& shape, double mass);
 /// as heavy as the one below; pyramid: 120 cubes.
 inline constexpr std::array<std::string_view, 7> kPeerScenes{"cliff", "stacks", "katamari", "chain",
                                                              "heap",  "ratio",  "pyramid"};
-/// Of Box3D's benchmarks, likewise.
+/// Two scenes of Box3D's benchmarks: a pyramid of 100 rows of cubes, and 196 pyramids of ten rows.
 inline constexpr std::array<std::string_view, 2> kLargeScenes{"large_pyramid", "many_pyramids"};
 
 /// @throws std::invalid_argument where there is no scene of that name

@@ -36,7 +36,8 @@ class ConstraintEdges {
                        edges_.end());
         single_.insert(single_.end(), idle_.begin() + static_cast<std::ptrdiff_t>(idle_before),
                        idle_.end());
-        names_all_ = names_all_ && (block->empty() || edges_.size() > before);
+        names_all_ =
+            names_all_ && (block->empty() || edges_.size() > before || idle_.size() > idle_before);
       }
       if (!is_last(*block)) projecting_ = edges_.size();
     }

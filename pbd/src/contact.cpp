@@ -93,10 +93,9 @@ void ContactBlock::begin_step(const SubstepContext& ctx) {
   m.statics.guess(m.contacts, arranged, m.support, ctx.bodies, ctx.movers, ctx.gravity,
                   m.options.warm_start_gap, ctx.h);
   m.cells.find(arranged, ctx);
-  m.order.build(arranged, m.cells, ctx.bodies.size(), ctx.movers,
-                static_cast<std::uint32_t>(ctx.team));
+  const auto team = static_cast<std::size_t>(ctx.workers->count());
+  m.order.build(arranged, m.cells, ctx.bodies.size(), ctx.movers, static_cast<std::uint32_t>(team));
   m.count_levels(ctx.groups);
-  const auto team = static_cast<std::size_t>(ctx.team);
   if (team > m.groups.size()) m.groups.resize(team);
   const std::size_t most = m.most_blocks_at_once(ctx.groups);
   for (ContactGroup& group : m.groups) {

@@ -60,11 +60,13 @@ std::uint8_t z_curve(unsigned i, unsigned j) {
 }  // namespace
 
 void ContactCells::find(std::span<const ContactLink> links, const SubstepContext& ctx) {
+  any_ = false;
+  contacts_.clear();
+  if (links.size() < kLarge) return;
   contacts_.assign(ctx.groups.size(), 0);
   for (const ContactLink& link : links) {
     if (link.group < contacts_.size()) ++contacts_[link.group];
   }
-  any_ = false;
   for (std::size_t group = 0; group < contacts_.size(); ++group) {
     if (contacts_[group] < kLarge || !ctx.groups[group].one_island) contacts_[group] = 0;
     any_ = any_ || contacts_[group] > 0;

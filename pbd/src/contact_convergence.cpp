@@ -29,7 +29,6 @@ void ContactConvergence::reserve(std::size_t blocks, std::size_t bodies) {
   moved_.resize(bodies);
   ends_.reserve(blocks);
   open_.reserve(blocks);
-  octaves_.reserve(1);
 }
 
 ContactConvergence::Ends ContactConvergence::ends_of(const ContactRows& rows,
@@ -71,25 +70,17 @@ ContactConvergence::Open ContactConvergence::open_rows(const Ends& ends, float t
 }
 
 void ContactConvergence::find_open(float tolerance, Workers& workers) {
-  octaves_.assign(static_cast<std::size_t>(workers.count()), {});
-  workers.for_chunks(ends_.size(), kBlockGrain,
-                     [&](std::size_t begin, std::size_t end, int worker) {
-                       std::array<int, 256>& rows = octaves_[static_cast<std::size_t>(worker)].rows;
-                       for (std::size_t k = begin; k < end; ++k) {
-                         open_[k] = open_rows(ends_[k], tolerance);
-                         rows[open_[k].octave] += std::popcount(open_[k].lanes);
-                       }
-                     });
-  for (std::size_t w = 1; w < octaves_.size(); ++w) {
-    for (std::size_t i = 0; i < 256; ++i) octaves_[0].rows[i] += octaves_[w].rows[i];
-  }
+  workers.for_chunks(ends_.size(), kBlockGrain, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t k = begin; k < end; ++k) open_[k] = open_rows(ends_[k], tolerance);
+  });
+  octaves_.fill(0);
+  for (const Open& open : open_) octaves_[open.octave] += std::popcount(open.lanes);
 }
 
 int ContactConvergence::keep_most_moved(int most, std::size_t& lowest) const {
-  const std::array<int, 256>& rows = octaves_[0].rows;
-  lowest = rows.size();
+  lowest = octaves_.size();
   int kept = 0;
-  while (lowest > 0 && kept + rows[lowest - 1] <= most) kept += rows[--lowest];
+  while (lowest > 0 && kept + octaves_[lowest - 1] <= most) kept += octaves_[--lowest];
   return kept;
 }
 
@@ -117,8 +108,7 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, ContactOrd
   const BodyNumbers numbers = numbers_of(bodies);
   for (;;) {
     find_open(static_cast<float>(rule.tolerance), workers);
-    const std::array<int, 256>& octaves = octaves_[0].rows;
-    outcome.open = std::accumulate(octaves.begin(), octaves.end(), 0);
+    outcome.open = std::accumulate(octaves_.begin(), octaves_.end(), 0);
     const int left = rule.rows - outcome.swept;
     if (left < rule.rows / kNotWorthIt) return outcome;
     std::size_t lowest = 0;

@@ -60,11 +60,6 @@ class ContactConvergence {
     float speed = 0.0f;       ///< m/s
     std::uint32_t sweep = 0;  ///< in which it was
   };
-  /// Rows of open blocks by the exponent of how much they moved.
-  struct alignas(64) Octaves {
-    std::array<int, 256> rows{};
-  };
-
   static Ends ends_of(const ContactRows& rows, std::span<const SolverBody> bodies);
   /// In a sweep, which has the bodies of a block to itself.
   void note(std::uint32_t block, const ContactRows& rows, LaneMask lanes);
@@ -81,7 +76,7 @@ class ContactConvergence {
   std::uint32_t sweep_ = 0;           ///< number of the sweep, of all steps
   std::vector<Ends> ends_;            ///< by block of the group
   std::vector<Open> open_;            ///< by block
-  std::vector<Octaves> octaves_;      ///< by worker; then the first has all of them
+  std::array<int, 256> octaves_{};  ///< rows of open blocks by the exponent of how much they moved
 };
 
 }  // namespace tandem::pbd

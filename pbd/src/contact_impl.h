@@ -36,6 +36,11 @@ struct ContactGroup {
   int budget_spent = 0;      ///< rows of refinement, see ContactBlock::Impl::spent()
   bool turned = false;       ///< poses have been advanced since rows were made or renewed
   bool joined = false;       ///< some row is of a body on joints
+  // Of all groups in this step that were solved here:
+  int extra_rows = 0;    ///< swept again
+  int refined_rows = 0;  ///< of substeps beyond those of the solver
+  int open_rows = 0;     ///< left unsolved, in the worst substep
+
   /// Room for any group of those that are solved at once: which ones come is not known.
   void reserve(std::size_t blocks, std::size_t bodies, bool bounces) {
     if (blocks > 0) {
@@ -49,11 +54,6 @@ struct ContactGroup {
     room = {};  // made anew for each group: nothing has to be copied, or be there twice
     room.reserve(blocks + blocks / 4);
   }
-
-  // Of all groups in this step that were solved here:
-  int extra_rows = 0;    ///< swept again
-  int refined_rows = 0;  ///< of substeps beyond those of the solver
-  int open_rows = 0;     ///< left unsolved, in the worst substep
 };
 
 struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
@@ -137,8 +137,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   }
   std::span<const ContactBrief> briefs() {
     kept();
-    if (!std::exchange(briefs_are_old, false) && brief_list.size() == contacts.size())
-      return brief_list;
+    if (!std::exchange(briefs_are_old, false)) return brief_list;
     brief_list.clear();
     for (const Contact& contact : contacts) brief_list.push_back(brief_of(contact));
     return brief_list;

@@ -34,8 +34,7 @@ struct PassStep {
   SubstepContext context;
 };
 
-/// A group through all substeps of a step. Groups are solved at once, by a pass each, or one after
-/// the other by the first one, whose stages all workers share then.
+/// A group through all substeps of a step, and then the next one.
 class GroupPass {
  public:
   struct Outcome {

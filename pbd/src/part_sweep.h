@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "patience.h"
@@ -43,14 +44,13 @@ class PartSweep {
       // Those that have no part of their own would only be in the way.
       const bool spare = static_cast<std::uint32_t>(worker) >= parts();
       Patience patience;
-      while (!is_done(reverse)) {
-        if (pass(own, reverse, visit)) {
-          patience.renew();
-        } else if (spare) {
-          return;
-        } else {
-          patience.look();
-        }
+      std::uint32_t seen = 0;
+      for (std::uint32_t left = blocks_left(reverse); left > 0; left = blocks_left(reverse)) {
+        if (pass(own, reverse, visit)) continue;
+        if (spare) return;
+        // Only while nobody gets on may somebody have been put aside.
+        if (left != std::exchange(seen, left)) patience.renew();
+        patience.look();
       }
       if (worker == 0) workers.note_lost(patience.longest());
     });
@@ -77,16 +77,17 @@ class PartSweep {
   };
 
   Needs needs(std::uint32_t block);
-  /// Who has seen that parts are done has seen what was done in them.
-  bool is_done(bool reverse) const {
-    for (std::uint32_t p = 0; p < parts(); ++p) {
-      if (!is_done(p, reverse, std::memory_order_acquire)) return false;
-    }
-    return true;
-  }
-  bool is_done(std::uint32_t p, bool reverse, std::memory_order order) const {
+  std::uint32_t blocks_left(std::uint32_t p, bool reverse, std::memory_order order) const {
     const std::uint32_t at = state_[p].at.load(order);
-    return reverse ? at == parts_[p].begin : at == parts_[p].end;
+    return reverse ? at - parts_[p].begin : parts_[p].end - at;
+  }
+  /// A worker that has seen that none is left has seen what was done in all parts.
+  std::uint32_t blocks_left(bool reverse) const {
+    std::uint32_t left = 0;
+    for (std::uint32_t p = 0; p < parts(); ++p) {
+      left += blocks_left(p, reverse, std::memory_order_acquire);
+    }
+    return left;
   }
 
   /// Go on with all parts that nobody is at, the own one first.
@@ -96,7 +97,7 @@ class PartSweep {
     bool any = false;
     for (std::uint32_t n = 0; n < parts(); ++n) {
       const std::uint32_t p = (own + n) % parts();
-      if (is_done(p, reverse, std::memory_order_relaxed)) continue;
+      if (blocks_left(p, reverse, std::memory_order_relaxed) == 0) continue;
       if (state_[p].taken.load(std::memory_order_relaxed) != 0 ||
           state_[p].taken.exchange(1, std::memory_order_acquire) != 0)
         continue;

@@ -61,7 +61,6 @@ void Solver::Impl::begin_step(World& world, double dt) {
               .gravity = world.gravity_,
               .groups = group_facts_,
               .workers = &workers_,
-              .team = workers_.count(),
               .order = world.order(),
               .shared = !targets_.empty(),
               .displaced = world.displaced_};

@@ -105,7 +105,6 @@ struct TANDEM_API SubstepContext {
   /// Groups may be solved at once, one by each worker: the worker that has this one. Its scratch is
   /// nobody else's.
   int worker = 0;
-  int team = 1;  ///< workers that there are
   /// What is not taken by slot where the outcome depends on it: the order of rows, sums over
   /// bodies.
   BodyOrder order = {};
