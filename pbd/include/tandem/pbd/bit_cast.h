@@ -7,8 +7,8 @@
 
 namespace tandem::pbd {
 
-/// The bits of a value as another type: std::bit_cast, which the C++ library of emscripten 3.1 has
-/// not.
+/// The bits of a value as another type. Replaces std::bit_cast, which emscripten 3.1's C++ library
+/// lacks.
 template <class To, class From>
 To bit_cast(const From& from) {
   static_assert(sizeof(To) == sizeof(From));

@@ -56,14 +56,14 @@ class BitReader {
     return value;
   }
   bool flag() { return get(1) != 0; }
-  /// In two's complement. @pre count >= 1
+  /// A two's complement number. @pre count >= 1
   std::int64_t get_signed(unsigned count) {
     const std::uint64_t value = get(count);
     const std::uint64_t sign = std::uint64_t{1} << (count - 1);
     return static_cast<std::int64_t>(value ^ sign) - static_cast<std::int64_t>(sign);
   }
   bool failed() const { return failed_; }
-  /// Whether all bytes were read and what is left of the last one is zero.
+  /// Whether all bytes were read and the unread bits of the last one are zero.
   bool at_end() const { return at_ == in_.size() && filled_ < 8 && buffer_ == 0; }
 
  private:

@@ -13,8 +13,8 @@
 
 namespace tandem::pbd {
 
-/// Names one body of one world. A removed body's slot is used again under a new generation, so a
-/// stale id is an error and never another body.
+/// Names one body of one world. A slot is reused under a new generation, so a stale id is an error
+/// and never names another body.
 struct TANDEM_API BodyId {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   std::uint32_t index = kNone;
@@ -45,74 +45,76 @@ struct TANDEM_API AxisLocks {
 /// How a body starts. Mass and inertia are read for dynamic bodies only.
 struct TANDEM_API BodyDef {
   BodyType type = BodyType::Dynamic;
-  Pose pose = {};                         ///< of the centre of mass
+  Pose pose = {};                         ///< pose of the centre of mass
   Twist twist = {};                       ///< ignored for static bodies
   double mass = 1.0;                      ///< kg, > 0
   Mat3 inertia = Mat3::Identity() * 0.4;  ///< kg m^2, about the centre of mass, body frame
-  double gravity_scale = 1.0;             ///< multiplies the world's gravity for this body
+  double gravity_scale = 1.0;             ///< multiplies the world's gravity
   double linear_damping = 0.0;            ///< 1/s, >= 0: v decays as exp(-damping t)
   double angular_damping = 0.0;           ///< 1/s, >= 0
   AxisLocks locks = {};                   ///< dynamic bodies only
-  bool bullet = false;    ///< contacts look for the time of impact along its path: small and fast
-  bool can_sleep = true;  ///< may be put to rest with its island
-  /// m/s and rad/s, 0 to 1e6: slower ones may rest, in place of SolverOptions::sleep_speed and
-  /// sleep_spin. An island sleeps when all of its bodies may.
+  bool bullet = false;    ///< CCD of its contacts along its path: for small, fast bodies
+  bool can_sleep = true;  ///< may sleep with its island
+  /// m/s and rad/s, 0 to 1e6: below these the body counts as at rest; they replace
+  /// SolverOptions::sleep_speed and sleep_spin. An island sleeps when all of its bodies are at
+  /// rest.
   std::optional<double> sleep_speed = {};
   std::optional<double> sleep_spin = {};
-  /// A name for the body, the same in every world that holds it; unique in its world. See
+  /// A name for the body, unique in its world and the same in every world that has the body. See
   /// BodyOrder.
   std::optional<std::uint64_t> stable_id = {};
   std::uint64_t user_data = 0;  ///< see World::user_data()
-  /// m, body frame: where the application has the body's origin, which need not be the centre of
-  /// mass. Nothing here reads it; it goes with the body into snapshots.
+  /// m, body frame: the application's origin of the body, which need not be the centre of mass.
+  /// Tandem does not read it; snapshots include it.
   Vec3 origin = Vec3::Zero();
 };
 
-/// What a body is between two steps.
+/// The state of a body between two steps.
 struct TANDEM_API BodyState {
   Pose pose = {};
   Twist twist = {};
 };
 
-/// The axes about which an inertia is diagonal.
+/// Axes in which an inertia tensor is diagonal.
 struct TANDEM_API PrincipalAxes {
-  /// To the body frame. z is the axis whose moment is least like the others': that of a top.
+  /// Principal frame to body frame. z is the axis whose moment differs most from the others: the
+  /// spin axis of a top.
   Quat frame = Quat::Identity();
   Vec3 moments = Vec3::Zero();  ///< kg m^2
 };
 
-/// What a body is made of; changes only through World.
+/// Properties of a body; they change only through World.
 struct TANDEM_API BodyProps {
   BodyType type = BodyType::Static;
   double mass = 0.0;                    ///< kg; 0 unless dynamic
   double inverse_mass = 0.0;            ///< 1/kg; 0 unless dynamic
   Mat3 inertia = Mat3::Zero();          ///< kg m^2, body frame
   Mat3 inverse_inertia = Mat3::Zero();  ///< 1/(kg m^2), body frame; 0 unless dynamic
-  PrincipalAxes principal = {};         ///< of the inertia
+  PrincipalAxes principal = {};         ///< principal axes of `inertia`
   double gravity_scale = 1.0;
   double linear_damping = 0.0;   ///< 1/s
   double angular_damping = 0.0;  ///< 1/s
   AxisLocks locks = {};
   bool bullet = false;
   bool can_sleep = true;
-  std::optional<double> sleep_speed = {};  ///< m/s; none: as the solver has it
-  std::optional<double> sleep_spin = {};   ///< rad/s, likewise
+  std::optional<double> sleep_speed = {};  ///< m/s; none: SolverOptions::sleep_speed
+  std::optional<double> sleep_spin = {};   ///< rad/s; none: SolverOptions::sleep_spin
   std::optional<std::uint64_t> stable_id = {};
-  Vec3 origin = Vec3::Zero();  ///< m, body frame: the application's
+  Vec3 origin = Vec3::Zero();  ///< m, body frame: see BodyDef::origin
 };
 
-/// What the solver remembers of a body from step to step: zeros, where it has never moved.
+/// What the solver remembers of a body from step to step; zeros for one that has never moved.
 struct TANDEM_API BodyActivity {
   bool asleep = false;
-  std::uint8_t level = 0;  ///< of refinement: the island's substeps are doubled this often
+  std::uint8_t level = 0;  ///< refinement level: the island's substeps are doubled this often
   std::uint16_t steps_at_lower_level =
       0;                        ///< steps in a row for which a lower level would have done
-  double low_speed_time = 0.0;  ///< s for which it has been slow
-  // In that time, since the last multiple of SolverOptions::sleep_after:
+  double low_speed_time = 0.0;  ///< s, time for which it has been slow
+  // Motion since low_speed_time last passed a multiple of SolverOptions::sleep_after:
   Vec3 moved = Vec3::Zero();   ///< m
   Vec3 turned = Vec3::Zero();  ///< rad, a rotation vector while it is small
 
-  /// From now on it is not known to be slow.
+  /// Restarts the time for which the body has been slow.
   void stir() {
     low_speed_time = 0.0;
     moved.setZero();
@@ -120,28 +122,28 @@ struct TANDEM_API BodyActivity {
   }
 };
 
-/// The order in which bodies are taken wherever a result depends on one: those with a stable id by
-/// ascending id, then the others by slot, which is the order in which they were added as long as
-/// none is removed. Two bodies never change places. Worlds whose bodies have the same stable ids
-/// move alike bit for bit, whatever the order in which bodies, colliders and constraints were
-/// added, with this exception: colliders of one body, and constraints of one kind between the same
-/// two bodies, are taken in the order in which they were added.
-/// A view into its world, until bodies are added or removed.
+/// The order in which bodies are taken wherever a result depends on an order: bodies with a stable
+/// id by ascending id, then the others by slot. Slots follow the order of adding as long as no body
+/// is removed. Two bodies never change places.
+/// Worlds whose bodies have the same stable ids move alike bit for bit, in whatever order bodies,
+/// colliders and constraints were added. Exception: colliders of one body, and constraints of one
+/// kind between the same two bodies, keep the order in which they were added.
+/// A view into its world, valid until bodies are added or removed.
 class TANDEM_API BodyOrder {
  public:
-  BodyOrder() = default;  ///< by slot
+  BodyOrder() = default;  ///< order of slots
   BodyOrder(std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> slots)
       : ranks_(ranks), slots_(slots) {}
 
-  /// Whether it is the order of slots.
+  /// Whether bodies are in the order of slots.
   bool natural() const { return ranks_.empty(); }
-  /// Place of a slot; BodyId::kNone keeps its value.
+  /// Rank of a slot; BodyId::kNone is returned unchanged.
   std::uint32_t rank(std::uint32_t slot) const {
     return slot < ranks_.size() ? ranks_[slot] : slot;
   }
   std::uint32_t slot(std::uint32_t rank) const { return natural() ? rank : slots_[rank]; }
-  /// Whether a constraint between the slots a and b comes before another one: by its bodies, what
-  /// holds a body to the world first, then by `index`.
+  /// Whether a constraint between bodies a and b comes before another one. Compared by body a, body
+  /// b, then `index`; constraints to the world come first.
   bool row_before(BodyId a, BodyId b, std::uint32_t index, BodyId other_a, BodyId other_b,
                   std::uint32_t other_index) const {
     // The world comes first: its rank wraps round to 0.

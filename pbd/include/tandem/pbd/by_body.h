@@ -13,25 +13,25 @@
 
 namespace tandem::pbd {
 
-/// Rows by the bodies that they name, one or two of them: those of one body are found without a
-/// look at the others. Rows and bodies are numbers of the owner's; BodyId::kNone is no body.
+/// Index of rows by the one or two bodies that they name. Rows and bodies are the owner's numbers;
+/// BodyId::kNone is no body.
 class TANDEM_API ByBody {
  public:
-  /// @pre the row is not in
+  /// @pre the row is not in the index
   void add(std::uint32_t row, std::uint32_t body_a, std::uint32_t body_b = BodyId::kNone) {
     if (old_) return;
     link(2 * row, body_a);
     link(2 * row + 1, body_b);
   }
-  /// Of no effect where the row is not in.
+  /// No effect if the row is not in the index.
   void remove(std::uint32_t row) {
     if (old_) return;
     unlink(2 * row);
     unlink(2 * row + 1);
   }
-  /// What the rows are has changed as a whole: renew() is to look at them.
+  /// Marks the whole index as outdated: renew() rebuilds it.
   void outdate() { old_ = true; }
-  /// Where it is outdated, begin anew: `add_all()` adds the rows.
+  /// Rebuilds an outdated index: `add_all()` adds the rows.
   void renew(auto&& add_all) {
     if (!old_) return;
     old_ = false;
@@ -39,8 +39,8 @@ class TANDEM_API ByBody {
     for (std::vector<End>& ends : ends_) ends.clear();
     add_all();
   }
-  /// Call visit(row, other) for each row that names the body, in no order that means anything;
-  /// `other` is what it names besides. The visitor may remove the row.
+  /// Calls visit(row, other) for each row that names the body, in unspecified order; `other` is the
+  /// row's other body. The visitor may remove the row.
   void for_rows(std::uint32_t body, auto&& visit) const {
     std::uint32_t next = body < first_.size() ? first_[body] : kNone;
     while (next != kNone) {
@@ -49,7 +49,7 @@ class TANDEM_API ByBody {
       visit(at / 2, known(at ^ 1u) ? end(at ^ 1u).body : BodyId::kNone);
     }
   }
-  /// Those rows, ascending: what is done to them then does not depend on how they came in.
+  /// The rows of the body, ascending, whatever the order in which they were added.
   std::vector<std::uint32_t> rows_of(std::uint32_t body) const {
     std::vector<std::uint32_t> rows;
     for_rows(body, [&](std::uint32_t row, std::uint32_t) { rows.push_back(row); });
@@ -60,10 +60,10 @@ class TANDEM_API ByBody {
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
-  /// What one row names at one end, among all that name the same body.
+  /// One end of a row, linked with the other ends that name the same body.
   struct End {
     std::uint32_t body = BodyId::kNone;
-    std::uint32_t before = kNone, after = kNone;  ///< twice the row, one more for its second end
+    std::uint32_t before = kNone, after = kNone;  ///< 2 * row, plus 1 for its second end
   };
 
   bool known(std::uint32_t at) const { return at / 2 < ends_[at % 2].size(); }
@@ -87,8 +87,8 @@ class TANDEM_API ByBody {
     end(at) = {};
   }
 
-  std::vector<std::uint32_t> first_;  ///< by body, see End
-  /// By row: its first end, and its second one up to the last row that has two.
+  std::vector<std::uint32_t> first_;  ///< by body: head of its list of ends
+  /// By row: first ends; second ends, up to the last row that has two.
   std::array<std::vector<End>, 2> ends_;
   bool old_ = false;
 };

@@ -12,7 +12,7 @@
 
 namespace tandem::pbd {
 
-/// Appends little-endian values to a growing buffer, whatever the machine's own order.
+/// Appends little-endian values to a growing buffer, whatever the machine's byte order.
 class TANDEM_API ByteWriter {
  public:
   explicit ByteWriter(std::vector<std::byte>& out) : out_(out) {}
@@ -34,7 +34,7 @@ class TANDEM_API ByteWriter {
 };
 
 /// Reads what ByteWriter wrote. Reading past the end returns zeros and sets failed() for good:
-/// check it once, after the last read. Who reads something that cannot be sets it with fail().
+/// check it once, after the last read. Callers that find an invalid value call fail().
 class TANDEM_API ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> in) : in_(in) {}
@@ -48,7 +48,7 @@ class TANDEM_API ByteReader {
   double f64();
   Vec3 vec3();
   Quat quat();
-  /// The next `count` bytes as a view into the input; empty and failed() where there are fewer.
+  /// A view of the next `count` bytes of the input; empty, with failed() set, if fewer remain.
   std::span<const std::byte> bytes(std::size_t count);
 
   std::size_t remaining() const { return in_.size() - at_; }

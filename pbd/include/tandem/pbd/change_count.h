@@ -9,8 +9,7 @@
 
 namespace tandem::pbd {
 
-/// A number that is another one after each change of the object that has it, what is assigned to
-/// the object included.
+/// A number that changes with each change of the object that holds it, assignment included.
 class TANDEM_API ChangeCount {
  public:
   ChangeCount() = default;

@@ -16,23 +16,24 @@ namespace tandem::pbd {
 
 struct ClothRows;
 
-/// Names a row of one ClothBlock; never given again.
+/// Names a row of one ClothBlock; ids are never reused.
 struct TANDEM_API ClothRowId {
   std::uint64_t number = 0;
   bool valid() const { return number != 0; }
   friend auto operator<=>(const ClothRowId&, const ClothRowId&) = default;
 };
 
-/// Points in a line that keep their distances: the thread of a cloth, or a rope.
-/// C_i = |x_i+1 - x_i| - length_i [m]. All rows of a strand are solved at once, by a tridiagonal
-/// system, so that a strand holds whatever hangs on it.
+/// A polyline of points that keep their distances: a thread of a cloth, or a rope.
+/// C_i = |x_i+1 - x_i| - length_i [m]. All rows of a strand are solved at once, as a tridiagonal
+/// system, so a strand holds any load.
 struct TANDEM_API StrandDef {
-  std::vector<BodyId> points = {};   ///< at least 2; their centres of mass
-  std::vector<double> lengths = {};  ///< m, > 0, one less than points; empty: as they are now
-  double compliance = 0.0;           ///< 1/N, >= 0: strain for each newton; 0 = rigid
+  std::vector<BodyId> points = {};   ///< at least 2; a point is the body's centre of mass
+  std::vector<double> lengths = {};  ///< m, > 0, one less than points; empty: the current distances
+  double compliance = 0.0;           ///< 1/N, >= 0: strain per newton; 0 = rigid
 };
 
-/// Two points that are never further apart, over a long way: what cloth would need many sweeps for.
+/// Upper bound on the distance of two points far apart: replaces the many sweeps that cloth would
+/// need.
 /// C = |x_b - x_a| - length <= 0 [m]. Source: [kim2012].
 struct TANDEM_API ClothTetherDef {
   BodyId a = {}, b = {};
@@ -40,36 +41,36 @@ struct TANDEM_API ClothTetherDef {
 };
 
 /// A weighted sum of points is zero: C = sum w_i x_i [m]. Weights 1, -2, 1 resist bending of a
-/// strand; -1 and some that add up to 1 hold a body to the mean of particles.
+/// strand; -1 for a body and weights with sum 1 for particles hold the body at their mean.
 struct TANDEM_API MeanDef {
-  std::vector<BodyId> points = {};   ///< at least 2, each once
-  std::vector<double> weights = {};  ///< one for each; their sum is 0
+  std::vector<BodyId> points = {};   ///< at least 2, each named once
+  std::vector<double> weights = {};  ///< one per point; their sum is 0
   double compliance = 0.0;           ///< m/N, >= 0; 0 = rigid
-  /// The first point is where agreement between peers acts: it leads the others where agreement
-  /// moves it, and goes to where they could follow. Without effect on momentum.
+  /// Agreement between peers acts on the first point: where agreement moves it, the others follow,
+  /// and it goes where they could follow. No effect on momentum.
   bool leads = false;
 };
 
-/// A particle is held by a body: from then on both are moved by strands as one mass.
+/// Attaches a particle to a host body: strands then move both as one mass.
 struct TANDEM_API AttachmentDef {
   BodyId particle = {};
   BodyId host = {};
   Vec3 anchor_l = Vec3::Zero();  ///< m, frame of the host
 };
 
-/// Cloth and ropes: rows between point masses, which are bodies of the world whose rotation is
-/// locked, and bodies that hold them.
+/// Cloth and ropes: rows between point masses (bodies with locked rotation) and the bodies that
+/// hold them.
 ///
-/// Source: [macklin2016] Eq. 18; bending is a row that is linear in places, as in [bergou2006].
-/// Differs: each strand is one linear system, as [deul2018] has it for rods; an attached particle
-/// has the mobility (K_p^-1 + K_h^-1)^-1 of itself and its host; what something stronger has
-/// stretched by more than a hundredth comes back with no more kinetic energy than rows took; links
-/// of a strand that no other one crosses pull along where they end, where they would set it
-/// swinging else.
+/// Source: [macklin2016] Eq. 18; bending is a piecewise linear row, as in [bergou2006].
+/// Differs: each strand is one linear system, as in [deul2018] for rods. An attached particle has
+/// the mobility (K_p^-1 + K_h^-1)^-1 of itself and its host. Where a stronger constraint has
+/// stretched a row by more than a hundredth, the recovery returns no more kinetic energy than rows
+/// took. Links that no other strand crosses pull along their direction at the end of the substep
+/// where the direction at its start would make the strand swing.
 ///
-/// Rows are swept in the order in which they were added. Memory: allocates where rows are added or
-/// removed, and in the first step after that. Copies share what rows are and have their own
-/// carried state.
+/// Rows are swept in the order in which they were added. Memory: allocates when rows are added or
+/// removed, and in the first step after that. Copies share the row definitions; carried state is
+/// their own.
 /// Errors: std::invalid_argument naming field, value and rule.
 class TANDEM_API ClothBlock final : public ConstraintBlock {
  public:
@@ -81,13 +82,14 @@ class TANDEM_API ClothBlock final : public ConstraintBlock {
   ClothRowId add(const World& world, const StrandDef& def);
   ClothRowId add(const World& world, const ClothTetherDef& def);
   ClothRowId add(const World& world, const MeanDef& def);
-  /// @throws as well where the particle is attached already, or the host is a point of rows
+  /// @throws std::invalid_argument also if the particle is attached already, or the host is a point
+  ///   of rows
   ClothRowId add(const World& world, const AttachmentDef& def);
-  /// What it held goes on as it moves.
+  /// Removes a row or attachment; its bodies keep moving.
   void remove(ClothRowId id);
   bool contains(ClothRowId id) const;
-  /// Sweeps over all rows in each substep, 1 to 100; two by default. The error of what is not in
-  /// one strand falls with it.
+  /// Sweeps over all rows in each substep, 1 to 100; default two. More sweeps reduce the error
+  /// between strands.
   void set_sweeps(int sweeps);
 
   std::string_view name() const override { return kName; }
@@ -119,9 +121,9 @@ class TANDEM_API ClothBlock final : public ConstraintBlock {
   void require_no_host(BodyId point, std::string_view kind) const;
   std::uint32_t take_scalars(std::size_t count, std::span<const BodyId> bodies);
 
-  std::shared_ptr<ClothRows> rows_;     ///< shared by copies; changed where no copy has it
-  mutable ByBody by_body_;              ///< see neighbours()
-  std::vector<double> carried_;         ///< m, by scalar of a row: what agreement left behind
+  std::shared_ptr<ClothRows> rows_;  ///< shared with copies; cloned before a change if it is shared
+  mutable ByBody by_body_;           ///< pairs of neighbours, see append_joined()
+  std::vector<double> carried_;      ///< m, per scalar of a row: the residual that agreement left
   std::vector<std::uint32_t> changed_;  ///< bodies, until the next step
   int sweeps_ = 2;
   double residual_ = 0.0;         ///< m

@@ -15,55 +15,53 @@ namespace tandem::pbd {
 
 /// How contacts are solved; part of SolverOptions.
 struct TANDEM_API ContactOptions {
-  /// m/s: bodies that overlap are pushed apart by 0.6 of the overlap in each substep, but no faster
-  /// than this; where they hardly do, in every other substep and in the last. It moves poses and
-  /// never enters velocity. Overlaps beyond what is opened at this speed push no harder than that:
-  /// with 1 m/s, which 7 mm reach, cubes at the bottom of a heap of 8000 sink into each other by
-  /// 135 mm under the many smaller overlaps above; with 4 by 42.
+  /// m/s, bound on the speed of pushing overlapping bodies apart: 0.6 of the overlap per substep.
+  /// Small overlaps are pushed in every other substep and in the last. The push moves poses and
+  /// never enters velocity. It saturates at this speed, at 7 mm of overlap for 1 m/s: cubes at the
+  /// bottom of a heap of 8000 overlap by 135 mm with 1 m/s, by 42 mm with 4.
   double push_speed = 4.0;
-  /// m: carried multipliers are applied before the sweep where the gap is below this.
+  /// m: carried multipliers warm start the sweep where the gap is below this.
   double warm_start_gap = 1e-3;
-  /// What a step may cost beyond the solver's substeps: rows that are solved once more. Islands
-  /// that want more substeps come first: where the rows of all of them in all further substeps are
-  /// more than this, each gets a share. What they leave, a sixth of it, is for rows that one
-  /// sweep has not solved: they are swept on, those first whose bodies still move most, until no
-  /// normal velocity changes by more than `resting_tolerance` times what gravity adds in a substep.
-  /// A gap that closes no faster than that is none.
-  /// What is left open rocks what stands: a tower of ten cubes of 10 cm, each a few millimetres off
+  /// Budget of rows solved beyond the solver's substeps in a step. Islands that want more substeps
+  /// come first; if all their rows in all further substeps exceed it, each gets a share. A sixth of
+  /// what is left goes to rows that one sweep has not solved: they are swept further, those with
+  /// the fastest bodies first, until no normal velocity changes by more than `resting_tolerance`
+  /// times what gravity adds in a substep. A gap that closes no faster than that is not an
+  /// approach.
+  /// Unconverged contacts rock stacks: a tower of ten cubes of 10 cm, each a few millimetres off
   /// the one below, swayed by 2 mm for ever at 0.01, and walked by 3 cm in 30 s.
-  /// Blows that pass from contact to contact may strike a sixth as well. BlockReport says what
-  /// was done and what was left.
+  /// Propagating impacts may take a sixth as well. BlockReport tells the rows solved and left.
   int extra_rows = 24000;
   double resting_tolerance = 0.001;
-  /// Impacts slower than this many times what gravity adds in a substep do not bounce. Here and
-  /// above gravity is 1 m/s^2 at least: what floats comes to rest as well.
+  /// Impacts slower than this many times what gravity adds in a substep do not bounce. Gravity
+  /// counts as at least 1 m/s^2, here and above, so that floating bodies come to rest too.
   double restitution_threshold = 2.0;
-  /// Rows that are solved at once by vector instructions, 2 or 4; 0: as many as the processor can.
-  /// The bits are the same.
+  /// Rows solved at once by vector instructions, 2 or 4; 0: as many as the processor can. The bits
+  /// are the same.
   int lanes = 0;
 
   friend bool operator==(const ContactOptions&, const ContactOptions&) = default;
 };
 
-/// One manifold of a step and what is carried from step to step with it.
+/// One manifold of a step and the state carried with it from step to step.
 struct TANDEM_API Contact {
   Manifold manifold = {};
   std::array<double, 4> force{};       ///< N, normal, of the last substep; >= 0
   Vec3 friction_force = Vec3::Zero();  ///< N, world, on body b, of the last substep
-  /// What friction the next step starts from, smoothed over steps: N, world, on body b, and N m
+  /// Friction that the next step starts from, smoothed over steps: N, world, on body b, and N m
   /// about the normal.
   Vec3 carried_friction = Vec3::Zero();
   double carried_twist = 0.0;
-  /// Of the force, that the next step starts from: less after impacts that are over.
+  /// The part of the force that the next step starts from: less after an impact.
   double warm_start_scale = 1.0;
   /// m/s, fastest approach that an impulse stopped in the last step; >= 0
   double approach_speed = 0.0;
   double impulse = 0.0;   ///< N s, normal, sum over points and substeps of the last step
-  double overlap = -1.0;  ///< m, at the end of the last step, >= 0; below 0: not known yet
+  double overlap = -1.0;  ///< m, >= 0, at the end of the last step; below 0: unknown
 
-  /// All but which pair it is (key, order, bodies).
+  /// Saves all but the pair's identity (key, order, bodies).
   void save(ByteWriter& out) const;
-  /// The input is untrusted: fails `in` where no contact can have such values.
+  /// The input is untrusted: fails `in` on values that no contact can have.
   void load(ByteReader& in);
   /// Whether any point carried a load in the last substep.
   bool loaded() const {
@@ -71,47 +69,46 @@ struct TANDEM_API Contact {
   }
 };
 
-/// What passes over all contacts ask of each: contacts are seven cache lines.
+/// Summary of a contact for passes over all of them: a whole contact is seven cache lines.
 struct ContactBrief {
   std::uint32_t a = 0, b = 0;  ///< bodies
   bool face = false;           ///< more than one point
-  bool loaded = false;         ///< see Contact::loaded()
-  bool is_new = false;         ///< not there in the last step
-  bool rubs = false;           ///< its friction is above 0
+  bool loaded = false;         ///< Contact::loaded()
+  bool is_new = false;         ///< absent in the last step
+  bool rubs = false;           ///< its friction coefficient is above 0
 };
 
-/// All contacts of a world, one for each manifold of the last detection, by ascending key; solved
-/// in the order of their manifolds.
+/// All contacts of a world, one per manifold of the last detection, stored by ascending key and
+/// solved in the order of their manifolds.
 ///
 /// C_i = normal . (p_b,i - p_a,i) - radius_a - radius_b  [m];  C >= 0, lambda >= 0, C lambda = 0.
 /// All normals of a manifold are solved together, as a linear complementarity problem of up to four
-/// unknowns; friction acts at their centre of pressure, as a 2x2 block in the tangent plane and one
+/// unknowns. Friction acts at their centre of pressure, as a 2x2 block in the tangent plane and a
 /// row of twist about the normal. Both are solved for the velocity of the substep: with Jacobians
-/// that stand for a whole step, moving a pose by h dv and projecting C(x + h v) are the same thing,
-/// and no orientation has to be renewed within a sweep. Gaps are measured from poses once for each
-/// substep, from the anchors.
-/// Friction: the displacement of the substep is undone, with |lambda_t| <= mu sum(lambda_i): the
-/// multiplier is clamped to the cone, not skipped outside it. The velocity pass goes on with the
+/// that are constant over the substep, moving a pose by h dv equals projecting C(x + h v), and no
+/// orientation is renewed within a sweep. Gaps are measured from the anchors once per substep.
+/// Friction undoes the displacement of the substep, with |lambda_t| <= mu sum(lambda_i): the
+/// multiplier is clamped to the cone, not skipped outside it. The velocity pass continues with the
 /// same multiplier, because stopping normal velocities makes a tilted body slide.
-/// Source: [mueller2020] Sec. 3.5 and 3.6. Differs: as above, and warm start, velocity pass with
-/// accumulated clamp.
+/// Source: [mueller2020] Sec. 3.5 and 3.6. Differs: as above, plus warm start and a velocity pass
+/// with accumulated clamping.
 class TANDEM_API ContactBlock final : public ConstraintBlock {
  public:
   ContactBlock();
   ~ContactBlock() override;
 
-  /// Take this step's manifolds (any order; left empty) and carry forces over from the contact of
-  /// the same pair, point by point: same feature, else nearest anchor.
+  /// Takes this step's manifolds (any order; left empty). Forces carry over from the last contact
+  /// of the same pair, point by point: same feature, else nearest anchor.
   void set_manifolds(std::vector<Manifold>& manifolds, Workers& workers);
-  /// Contacts that another block has solved until now: the next set_manifolds() carries on what it
-  /// finds of them, as if they had been here. Those of pairs that are here already are left out.
+  /// Takes contacts that another block has solved until now: the next set_manifolds() carries them
+  /// over as if they had been in this block. Pairs that are here already are skipped.
   void adopt(std::span<const Contact> contacts);
   void configure(const ContactOptions& options);
   std::span<const Contact> contacts() const;
-  /// Of the same contacts, in the same order.
+  /// Summaries of contacts(), in the same order.
   std::span<const ContactBrief> briefs() const;
   bool any_friction() const;     ///< some contact has a coefficient above 0
-  bool any_restitution() const;  ///< likewise
+  bool any_restitution() const;  ///< some contact has a restitution above 0
 
   std::string_view name() const override { return "contact"; }
   int order() const override { return static_cast<int>(SolveOrder::Contact); }
@@ -125,10 +122,10 @@ class TANDEM_API ContactBlock final : public ConstraintBlock {
   void finish_velocity(const SubstepContext& ctx) override;
   double project_displacement(const SubstepContext& ctx) override;
   void end_step(const SubstepContext& ctx, std::span<double> wanted) override;
-  /// Bodies whose loaded contact is gone: a collider was removed or filtered, or what they lay on
-  /// was moved away.
+  /// Bodies that have lost a loaded contact: a collider was removed or filtered, or the support was
+  /// moved away.
   void take_changed(std::vector<std::uint32_t>& bodies) override;
-  /// What carries a load supports.
+  /// Contacts that carry a load support their bodies.
   void append_edges(std::vector<ConstraintEdge>& edges) const override;
   void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const override;
   void remove_body(BodyId body) override;

@@ -6,16 +6,16 @@
 #include "tandem/pbd/export.h"
 #include "tandem/pbd/math.h"
 
-/// The maths of a correction, once: every kind of constraint composes these.
+/// The maths of a correction, shared by all kinds of constraints.
 /// Legend: C constraint violation [m], alpha compliance [m/N], at = alpha / h^2, lambda multiplier
 /// [N s^2] (force = lambda / h^2), w generalised inverse mass [1/kg], r lever arm from the centre
 /// of mass [m, world].
 namespace tandem::pbd {
 
-/// Bodies closer than this (m) have no direction between them.
+/// m: the direction between points closer than this is undefined.
 inline constexpr double kMinLength = 1e-12;
 
-/// Move `body` as an impulse p (N s^2) with moment m (N m s^2) does within one substep.
+/// Moves `body` as an impulse p (N s^2) with moment m (N m s^2) does within one substep.
 /// Source: [mueller2020] Sec. 3.3.1. Differs: the rotation is the exact exponential.
 inline void apply_correction(SolverBody& body, const Vec3& p, const Vec3& m) {
   if (body.inv_mass == 0.0) return;
@@ -27,7 +27,7 @@ inline void apply_correction(SolverBody& body, const Vec3& p, const Vec3& m) {
   body.dtheta += dtheta;
 }
 
-/// Impulse p on body b at lever arm r_b, and -p on body a at r_a.
+/// Applies impulse p to body b at lever arm r_b, and -p to body a at r_a.
 inline void apply_pair(SolverBody& a, SolverBody& b, const Vec3& p, const Vec3& r_a,
                        const Vec3& r_b) {
   apply_correction(a, -p, -r_a.cross(p));
@@ -40,8 +40,8 @@ inline double inverse_mass(const SolverBody& body, const Vec3& r, const Vec3& n)
   return body.inv_mass + rn.dot(body.inv_inertia_w * rn);
 }
 
-/// K = (1/m_a + 1/m_b) E + [r_a]^T I_a^-1 [r_a] + [r_b]^T I_b^-1 [r_b]: how far the gap between two
-/// points opens for each unit of impulse between them.
+/// K = (1/m_a + 1/m_b) E + [r_a]^T I_a^-1 [r_a] + [r_b]^T I_b^-1 [r_b]: opening of the gap between
+/// two points per unit of impulse between them.
 inline Mat3 point_inverse_mass(const SolverBody& a, const SolverBody& b, const Vec3& r_a,
                                const Vec3& r_b) {
   const Mat3 sa = skew(r_a);
@@ -71,7 +71,7 @@ inline double row_multiplier(double c, double lambda, double w, const RowSoftnes
   return (-c - softness.at * lambda - softness.gamma * slip) / denominator;
 }
 
-/// The same for the three rows of a point at once, solved as a block.
+/// Multiplier of the three rows of a point, solved as a block.
 inline Vec3 point_multiplier(const Vec3& c, const Vec3& lambda, const Mat3& k,
                              const RowSoftness& softness, const Vec3& slip) {
   Mat3 block = (1.0 + softness.gamma) * k;
@@ -79,10 +79,10 @@ inline Vec3 point_multiplier(const Vec3& c, const Vec3& lambda, const Mat3& k,
   return block.inverse() * (-c - softness.at * lambda - softness.gamma * slip);
 }
 
-/// What agreement or later rows left of a row's violation closes at this rate (1/s), with this much
+/// 1/s: rate at which residual violation, left by agreement or later rows, closes. It gives
 /// velocity: 1 mm at 20 mm/s. At 60/s limbs that fall on their end do not always come to rest.
 inline constexpr double kResidualRate = 20.0;
-/// The part of it that is left after a substep of length h (s).
+/// The part of the residual that is left after a substep of length h (s).
 inline double residual_decay(double h) { return 1.0 / (1.0 + kResidualRate * h); }
 
 }  // namespace tandem::pbd

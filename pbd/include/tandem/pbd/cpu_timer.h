@@ -30,11 +30,11 @@ class CpuTimer {
   double start_;
 };
 
-/// The same of pieces of work in turn, with one reading for each: a reading costs as much as what
-/// there is to do with a small packet.
+/// CPU time of consecutive pieces of work, with one clock reading each: a reading costs as much as
+/// handling a small packet.
 class CpuLaps {
  public:
-  /// Adds what was spent since the last reading.
+  /// Adds the time (s) since the last reading.
   void add(double& sum) {
     const double now = thread_cpu_seconds();
     sum += now - last_;

@@ -9,12 +9,12 @@
 
 namespace tandem::pbd {
 
-/// Keeps two points at a distance, rigidly or as a spring with damping, and within a range: a rope
+/// Keeps two points at a distance, rigidly or as a spring with damping, and within a range. A rope
 /// is a range from 0 to its length without a spring.
 /// C = |p_b - p_a| - rest_length [m];  n = (p_b - p_a) / |p_b - p_a|, dC/dx_b = n,
 /// dC/dtheta_b = r_b x n, mirrored for a. Rigid limit (compliance 0): a rod. Infinitely soft: none.
 /// Source: [macklin2016] Eqs. 18 and 26, rotation terms [mueller2020] Sec. 3.3.1. Differs:
-/// gradients are those of the substep's start (see JointBlock).
+/// gradients are taken at the start of the substep (see JointBlock).
 class TANDEM_API DistanceJoint {
  public:
   static constexpr std::string_view kName = "distance_joint";
@@ -30,11 +30,11 @@ class TANDEM_API DistanceJoint {
     double compliance = 0.0;         ///< m/N, >= 0; 0 = rigid; 1 / stiffness
     double damping = 0.0;            ///< N s/m, >= 0; without effect on a rigid joint
     bool elastic = true;             ///< false: only the range holds
-    double min_length = 0.0;         ///< m, >= 0; around rest_length where that holds
+    double min_length = 0.0;         ///< m, >= 0; rest_length lies in the range if `elastic`
     double max_length = kUnlimited;  ///< m, >= min_length
-    double range_compliance = 0.0;   ///< m/N, >= 0, of both ends of the range; 0 = rigid
-    double range_damping = 0.0;      ///< N s/m, >= 0; without effect where the range is rigid
-    double break_force = 0.0;        ///< N, >= 0; beyond it the joint is disabled; 0 = never
+    double range_compliance = 0.0;   ///< m/N, >= 0, at both ends of the range; 0 = rigid
+    double range_damping = 0.0;      ///< N s/m, >= 0; without effect on a rigid range
+    double break_force = 0.0;        ///< N, >= 0; a larger force disables the joint; 0 = never
     bool enabled = true;
   };
 
@@ -48,7 +48,8 @@ class TANDEM_API DistanceJoint {
 
   // RUN TIME PROPERTIES FOLLOW
   void forgive(const SubstepContext& ctx);
-  /// What somebody has put elsewhere since the last step becomes gap. @return whether there is one
+  /// Turns violation from outside (set_pose, new limits) since the last step into a gap. @return
+  /// whether there is one
   bool find_gap(const SubstepContext& ctx);
   void begin_substep(const SubstepContext& ctx);
   double project(const SubstepContext& ctx);
@@ -58,18 +59,18 @@ class TANDEM_API DistanceJoint {
   void end_displacement(const SubstepContext& ctx);
   void end_step(const SubstepContext& ctx);
   bool active() const { return def_.enabled; }
-  /// What comes back to where the joint wants it does not rest on its way.
+  /// Bodies do not sleep while a gap closes.
   bool actuated() const { return gap_.closes(); }
   bool force_driven() const {
     return (def_.elastic && def_.compliance > 0.0) || def_.range_compliance > 0.0;
   }
   double residual() const { return residual_; }
   double displacement_residual() const { return std::abs(displacement_residual_); }
-  /// Force (N) along the joint in the last substep, positive = pushes the points apart.
-  /// In the step in which it breaks that of the substep that broke it.
+  /// Force (N) along the joint in the last substep, positive = pushes the points apart. In the step
+  /// in which it breaks: the force of the substep that broke it.
   double force() const { return force_; }
   Vec3 force_on_b() const { return force_ * n_; }  ///< N, world; its opposite acts on a
-  /// By break_force; enable it to use it again.
+  /// Whether break_force disabled it; enable it to use it again.
   bool broken() const { return broken_ && !def_.enabled; }
   void save(ByteWriter& out) const;
   void load(ByteReader& in);
@@ -82,7 +83,7 @@ class TANDEM_API DistanceJoint {
     double length;
   };
   Arms arms(const SubstepContext& ctx, SolverBody& ground) const;
-  /// The joint's force as that of one coordinate, C.
+  /// The joint's force law as that of one coordinate, C.
   JointAxis axis() const;
 
   Def def_;
@@ -91,9 +92,9 @@ class TANDEM_API DistanceJoint {
   Vec3 r_a_ = Vec3::Zero();  ///< m, world, lever arms and direction at the start of the substep
   Vec3 r_b_ = Vec3::Zero();
   Vec3 n_ = Vec3::Zero();
-  double displacement_residual_ = 0.0;  ///< m, the part of C that agreement and later rows left
-  JointGap gap_;                        ///< of displacement_residual_
-  double bound_ = 0.0;                  ///< m, where the displacement channel holds C
+  double displacement_residual_ = 0.0;  ///< m, the part of C left by agreement and later rows
+  JointGap gap_;                        ///< state of the gap in displacement_residual_
+  double bound_ = 0.0;                  ///< m, value at which the displacement channel holds C
   double force_ = 0.0;
   double residual_ = 0.0;
   bool broken_ = false;

@@ -15,40 +15,38 @@ namespace tandem::pbd {
 
 using JointId = ConstraintId;
 
-/// What a joint did in the last step; before the first one its position alone, as it was added.
+/// State of a joint after the last step; before the first step only its position when it was added.
 struct TANDEM_API JointState {
   /// Coordinates of frame b in frame a: three displacements (m), then twist about x and the swing
-  /// components about y and z (rad). Twist counts turns unless it is locked; swing is the rotation
-  /// vector that carries the x axis of a to that of b, so it ends at pi. Where y or z is free alone
-  /// that axis has x's part: it counts turns.
+  /// components about y and z (rad). Twist counts turns unless it is locked. Swing is the rotation
+  /// vector that carries the x axis of a to that of b, so it ends at pi. If y or z alone is free,
+  /// that axis takes x's part and counts turns.
   std::array<double, 6> position{};
   double swing = 0.0;            ///< rad, >= 0, angle between the x axes: what the cone limits
-  std::array<double, 6> load{};  ///< N and N m, of each coordinate, on body b
-  /// N, world, on body b at its frame, last substep; in the step in which it breaks that of the
-  /// substep that broke it.
+  std::array<double, 6> load{};  ///< N and N m, per coordinate, on body b
+  /// N, world, on body b at its frame, last substep. In the step in which it breaks: the force of
+  /// the substep that broke it.
   Vec3 force = Vec3::Zero();
   Vec3 torque = Vec3::Zero();  ///< N m, world, on body b, last substep
   double residual = 0.0;       ///< m (linear) or rad (angular), largest violation of a rigid row
-  bool broken = false;         ///< by break_force or break_torque; enable it to use it again
+  bool broken = false;  ///< disabled by break_force or break_torque; enable it to use it again
 };
 
 class JointBlock;
 
-/// All joints of a block, by slot.
+/// Ids of all joints of a block, by slot.
 TANDEM_API std::vector<JointId> joint_ids(const JointBlock& block);
 
 /// All rigid, limited, sprung and driven joints of a world as one kind: six coordinates, each with
 /// a force law (joint_def.h). Joints that share bodies are solved together by a sparse block LDL^T
-/// factorisation, so that a chain costs O(n) and holds at once; trees have no fill-in, loops
-/// little.
+/// factorisation: a chain costs O(n) and converges at once; trees have no fill-in, loops little.
 ///
-/// Rows use the gradients of the substep's start, which makes a converged step that of SHAKE
-/// [ryckaert1977]. Taut joints whose own force would turn a body faster than the substep resolves
-/// add a part of their geometric stiffness to its inertia: stable at any step, and without effect
-/// on slow motion.
-/// A joint that is violated before a step, as it was added or its bodies were put like that, comes
-/// back at 5 m/s and 10 rad/s at most and leaves no velocity. A hinge takes the turn that lies
-/// within its limits.
+/// Rows use the gradients at the start of the substep, so that a converged step is a SHAKE step
+/// [ryckaert1977]. Where the force of a taut joint would turn a body faster than the substep
+/// resolves, a part of its geometric stiffness is added to the inertia: stable at any step, and
+/// without effect on slow motion.
+/// Violation that exists before a step (as added, or by set_pose) closes at 5 m/s and 10 rad/s at
+/// most and leaves no velocity. A hinge takes the turn that lies within its limits.
 /// @par Thread safety  As World. Rows of distinct groups may be solved at the same time.
 class TANDEM_API JointBlock final : public ConstraintBlock {
  public:
@@ -58,18 +56,19 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   /// @throws std::invalid_argument naming the field, its value and the rule
   JointId add(const World& world, const SixDofJointDef& def);
   bool contains(JointId id) const;
-  /// All of these throw std::invalid_argument where the id names no joint.
+  /// All methods below throw std::invalid_argument if the id names no joint.
   void remove(JointId id);
   /// Change parameters; carried state stays. The bodies may not change.
   void set(const World& world, JointId id, const SixDofJointDef& def);
   void set_enabled(JointId id, bool enabled);
-  /// References to both are good until a joint is added, or the block loaded or assigned to.
+  /// The returned references are valid until a joint is added, or the block is loaded or assigned
+  /// to.
   const SixDofJointDef& def(JointId id) const;
   const JointState& at(JointId id) const;
-  /// rad, of a hinge, as it was added, then after the last step; counts turns. @throws for other
+  /// Angle of a hinge, rad, counting turns: as added, then after the last step. @throws for other
   /// joints, too
   double hinge_angle(JointId id) const;
-  /// m, of a slider, likewise. @throws for other joints, too
+  /// Position of a slider, m: as added, then after the last step. @throws for other joints, too
   double slider_position(JointId id) const;
   int size() const;
 
@@ -86,12 +85,11 @@ class TANDEM_API JointBlock final : public ConstraintBlock {
   void begin_displacement(const SubstepContext& ctx) override;
   double project_displacement(const SubstepContext& ctx) override;
   void end_displacement(const SubstepContext& ctx) override;
-  /// Wants as many substeps as keep the bodies of a joint from turning by more than 0.07 rad
-  /// against each other in one, now or two steps on. Taut chains need no more for their stiffness;
-  /// only fast folding does.
+  /// Wants enough substeps that the bodies of a joint turn against each other by at most 0.07 rad
+  /// in each, now and two steps on. Stiffness of taut chains needs no more; only fast folding does.
   void end_step(const SubstepContext& ctx, std::span<double> wanted) override;
   void take_changed(std::vector<std::uint32_t>& bodies) override;
-  /// Not actuated: motors that have arrived, that a limit stops or that do not manage their load.
+  /// Motors that have arrived, are at a limit or cannot move their load are not actuated.
   void append_edges(std::vector<ConstraintEdge>& edges) const override;
   void append_idle(std::vector<ConstraintEdge>& edges) const override;
   void append_joined(std::uint32_t body, std::vector<std::uint32_t>& joined) const override;

@@ -10,27 +10,26 @@
 
 namespace tandem::pbd {
 
-/// Holds the coordinates of two joints in proportion, as gears, racks and tendons of fingers do:
+/// Holds the coordinates of two joints in proportion, like gears, racks and tendons of fingers:
 /// C = c_two - ratio c_one - offset [rad or m]. Each joint is a hinge or a slider.
 ///
-/// It is solved after the joints, with the rows that they hold: what it turns stays on its hinge.
-/// What hangs on the bodies beyond these two joints it does not know of: it loses energy where
-/// much does.
+/// Solved after the joints, together with their rows, so that the hinges stay closed. Bodies
+/// attached beyond the two joints are not part of the solve: with heavy ones it loses energy.
 class TANDEM_API JointCoupling {
  public:
   static constexpr std::string_view kName = "joint_coupling";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Joint) + 1;
   static constexpr bool kGroupsAtOnce = true;
 
-  /// The bodies and frames of a joint, and which of its coordinates is free.
+  /// The bodies and frames of a joint, and its free coordinate.
   struct TANDEM_API Side {
     BodyId a = {};  ///< the invalid id stands for the world
     BodyId b = {};
     JointFrame frame_a = {}, frame_b = {};
     bool slides = false;  ///< along x, m; else it turns about x, rad
-    double start = 0.0;   ///< rad, where it stands as the row is added: which turn it is on
+    double start = 0.0;   ///< rad, position when the row is added: selects the turn
 
-    /// As of JointState::position.
+    /// Index into JointState::position.
     int coordinate() const { return slides ? 0 : 3; }
   };
   struct TANDEM_API Def {
@@ -40,8 +39,8 @@ class TANDEM_API JointCoupling {
     bool enabled = true;
   };
 
-  /// Of two joints as they are; where one of them is removed, remove the coupling as well.
-  /// @throws std::invalid_argument  where one of them is neither a hinge nor a slider
+  /// Couples two joints as they are; if one of them is removed, remove the coupling as well.
+  /// @throws std::invalid_argument  if one of them is neither a hinge nor a slider
   static Def between(const JointBlock& joints, JointId one, JointId two, double ratio,
                      double offset = 0.0);
   static void check(const World& world, const Def& def);
@@ -52,9 +51,9 @@ class TANDEM_API JointCoupling {
   BodyId body_a() const { return def_.one.b; }
   BodyId body_b() const { return def_.two.b; }
   bool active() const { return def_.enabled; }
-  /// Whether the row reads or moves it.
+  /// Whether the row reads or moves the body.
   bool names(BodyId body) const;
-  /// Of the bodies that the joints hang on.
+  /// Appends edges to the other bodies of the joints.
   void append_edges(std::vector<ConstraintEdge>& edges) const;
   double residual() const { return residual_; }  ///< rad or m
   double displacement_residual() const { return displacement_residual_; }
@@ -75,9 +74,9 @@ class TANDEM_API JointCoupling {
   double solve(const SubstepContext& ctx, double target);
 
   Def def_;
-  std::array<double, 2> near_;          ///< rad, of hinges, counting turns
-  double displacement_residual_ = 0.0;  ///< what agreement left
-  double bound_ = 0.0;                  ///< where the displacement channel holds it
+  std::array<double, 2> near_;          ///< rad, last angles of hinges, counting turns
+  double displacement_residual_ = 0.0;  ///< left by agreement
+  double bound_ = 0.0;                  ///< value at which the displacement channel holds C
   double residual_ = 0.0;
   JointGap gap_;
 };

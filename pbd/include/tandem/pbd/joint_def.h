@@ -30,39 +30,38 @@ enum class MotorMode : std::uint8_t { Off, Velocity, Position };
 
 /// Pulls a coordinate to `rest`. Units: N/m, m, N s/m for displacements; N m/rad, rad, N m s/rad.
 ///
-/// Told by stiffness and damping, or by frequency and damping ratio. The latter become the former
-/// by what moves with the coordinate as the bodies stand when the joint is added or set: of a
-/// slider the reduced mass, of a door the inertia about its hinge. Such a spring swings by its
-/// closed form where a substep is at most a twelfth of its period; faster ones are braked.
+/// Given by stiffness and damping, or by frequency and damping ratio. The latter are converted with
+/// the inertia of the coordinate at the time the joint is added or set: the reduced mass for a
+/// slider, the inertia about its hinge for a door. Such a spring follows its closed form if a
+/// substep is at most a twelfth of its period; a faster one is braked.
 struct TANDEM_API JointSpring {
   double stiffness = 0.0;  ///< >= 0; 0 = no spring
   double rest = 0.0;
-  double damping = 0.0;        ///< >= 0; works without stiffness as well
-  double frequency = 0.0;      ///< Hz, >= 0, undamped; above 0 it is told by this and the next
-  double damping_ratio = 0.0;  ///< >= 0; 1 = critical: it comes to rest without passing
+  double damping = 0.0;    ///< >= 0; works without stiffness, too
+  double frequency = 0.0;  ///< Hz, >= 0, undamped; above 0, it and damping_ratio define the spring
+  double damping_ratio = 0.0;  ///< >= 0; 1 = critical: no overshoot
 };
 
-/// Drives a coordinate with as much force as it takes, up to max_force. A limit is stronger than
+/// Drives a coordinate with as much force as it needs, up to max_force. A limit is stronger than
 /// any motor.
 ///
-/// With a stiffness or damping it is a servo, as soft as these say: its force is
+/// With a stiffness or damping it is a compliant servo. Its force, cut at max_force, is
 /// stiffness (target - position) - damping speed (Position), or damping (target - speed)
-/// (Velocity), and where that is more than max_force it is that. A spring acts beside it, dry
-/// friction as well.
+/// (Velocity). A spring and dry friction act in addition.
 struct TANDEM_API JointMotor {
   MotorMode mode = MotorMode::Off;
   double target = 0.0;            ///< m/s or rad/s (Velocity), m or rad (Position)
   double max_force = kUnlimited;  ///< N or N m, > 0
   double max_speed = kUnlimited;  ///< m/s or rad/s, > 0: on the way to a position, not of servos
-  double stiffness = 0.0;         ///< N/m or N m/rad, >= 0: of a servo to a position
+  double stiffness = 0.0;         ///< N/m or N m/rad, >= 0: of a position servo
   double damping = 0.0;           ///< N s/m or N m s/rad, >= 0: of a servo
 
   bool is_servo() const { return mode != MotorMode::Off && (stiffness > 0.0 || damping > 0.0); }
 };
 
-/// One coordinate. Compliance (m/N or rad/(N m)) and damping (N s/m or N m s/rad) are those of the
-/// lock or of the stops, and 0 where there are none; 0 compliance is rigid, and damping has no
-/// effect on a rigid row. What damps a free coordinate is `spring.damping`.
+/// One coordinate. Compliance (m/N or rad/(N m)) and damping (N s/m or N m s/rad) belong to the
+/// lock or the stops, and are 0 where there are none. Compliance 0 is rigid, and damping has no
+/// effect on a rigid row. A free coordinate is damped by `spring.damping`.
 struct TANDEM_API JointAxis {
   Freedom freedom = Freedom::Free;
   double lower = 0.0;  ///< m or rad, where Limited; <= upper
@@ -71,21 +70,21 @@ struct TANDEM_API JointAxis {
   double damping = 0.0;
   JointSpring spring = {};  ///< none where Locked
   JointMotor motor = {};    ///< none where Locked
-  /// N or N m, >= 0, none where Locked: resists motion along the coordinate with at most this, dry
-  /// friction. A motor that is on takes its place, unless it is a servo.
+  /// N or N m, >= 0, none where Locked: dry friction, the largest force that resists motion. A
+  /// motor that is on replaces it, unless it is a servo.
   double friction = 0.0;
 };
 
-/// Turns frame b within frame a, about all three axes at once, where none of them is locked.
-/// Torques are about each axis of frame a; what twist and swing are does not matter, at any angle.
+/// Turns frame b within frame a about all three axes at once; none of them may be locked. Torques
+/// are about the axes of frame a, whatever twist and swing are, at any angle.
 struct TANDEM_API BallDrive {
   struct TANDEM_API Spring {
     double stiffness = 0.0;  ///< N m/rad, >= 0
-    double damping = 0.0;    ///< N m s/rad, >= 0; works without stiffness as well
-    /// As of JointSpring: exact about axes of frame a that are principal ones of the bodies.
+    double damping = 0.0;    ///< N m s/rad, >= 0; works without stiffness, too
+    /// As in JointSpring: exact about axes of frame a that are principal axes of the bodies.
     double frequency = 0.0;  ///< Hz, >= 0
     double damping_ratio = 0.0;
-    Quat rest = Quat::Identity();  ///< frame b to frame a: where it pulls to, the shorter way
+    Quat rest = Quat::Identity();  ///< frame b to frame a; pulls the shorter way
   };
   struct TANDEM_API Motor {
     MotorMode mode = MotorMode::Off;
@@ -96,7 +95,7 @@ struct TANDEM_API BallDrive {
   };
   Spring spring = {};
   Motor motor = {};
-  double friction = 0.0;  ///< N m, >= 0; a motor that is on takes its place
+  double friction = 0.0;  ///< N m, >= 0; replaced by a motor that is on
 };
 
 /// The general joint; the others are short forms of it. Body b moves in the frame of body a.
@@ -106,28 +105,28 @@ struct TANDEM_API SixDofJointDef {
   JointFrame frame_a = {}, frame_b = {};
   std::array<JointAxis, 3> linear = {};   ///< along the axes of frame a
   std::array<JointAxis, 3> angular = {};  ///< twist about x, swing about y, swing about z
-  /// rad, > 0: largest angle between the x axes; in place of limits on the two swings.
+  /// rad, > 0: largest angle between the x axes; used instead of limits on the two swings.
   double cone = kUnlimited;
   double cone_compliance = 0.0;  ///< rad/(N m), >= 0
   double cone_damping = 0.0;     ///< N m s/rad, >= 0; without effect where the cone is rigid
-  BallDrive drive = {};          ///< in place of springs, motors and friction of angular axes
-  double break_force = 0.0;      ///< N, >= 0; beyond it the joint is disabled; 0 = never
-  double break_torque = 0.0;     ///< N m, likewise
-  /// rad: a joint is added on the turn that lies within its limits, and of several on the one
-  /// nearest to this.
+  BallDrive drive = {};          ///< used instead of springs, motors and friction of angular axes
+  double break_force = 0.0;      ///< N, >= 0; a larger force disables the joint; 0 = never
+  double break_torque = 0.0;     ///< N m, >= 0; a larger torque disables the joint; 0 = never
+  /// rad: the joint is added on the turn that lies within its limits; if there are several, on the
+  /// one nearest to this.
   double start = 0.0;
   bool enabled = true;
-  /// Whether the bodies touch each other while the joint holds them: neither where it is off nor
-  /// where it has broken does it keep them apart.
+  /// Whether the bodies have contacts with each other while the joint holds them. A disabled or
+  /// broken joint prevents no contacts.
   bool collide_connected = true;
 };
 
-// Short forms. What they begin with is the same in all of them; compliances and dampings are those
-// of what a joint locks or stops.
+// Short forms. Their first fields are the same in all; compliances and dampings belong to what the
+// joint locks or stops.
 
-/// Holds b in a: no freedom.
+/// Fixes b to a: no freedom.
 struct TANDEM_API FixedJointDef {
-  BodyId a = {}, b = {};  ///< as above
+  BodyId a = {}, b = {};  ///< see SixDofJointDef
   JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
@@ -135,13 +134,13 @@ struct TANDEM_API FixedJointDef {
   double angular_damping = 0.0;     ///< N m s/rad
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
-  bool collide_connected = true;    ///< as above
+  bool collide_connected = true;    ///< see SixDofJointDef
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor): a short form of it
 };
 
 /// Holds a point of b at a point of a.
 struct TANDEM_API BallJointDef {
-  BodyId a = {}, b = {};  ///< as above
+  BodyId a = {}, b = {};  ///< see SixDofJointDef
   JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
@@ -150,17 +149,17 @@ struct TANDEM_API BallJointDef {
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
   double cone = kUnlimited;         ///< rad, largest swing of the x axis
-  bool limit_twist = false;         ///< by the next two
+  bool limit_twist = false;         ///< limit twist to lower_twist .. upper_twist
   double lower_twist = 0.0;         ///< rad
   double upper_twist = 0.0;         ///< rad
   BallDrive drive = {};             ///< motor, spring and friction of the ball
-  bool collide_connected = true;    ///< as above
+  bool collide_connected = true;    ///< see SixDofJointDef
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
 /// Lets b turn about the x axis of a. Limits, spring and motor are those of `axis`.
 struct TANDEM_API HingeJointDef {
-  BodyId a = {}, b = {};  ///< as above
+  BodyId a = {}, b = {};  ///< see SixDofJointDef
   JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
@@ -169,15 +168,15 @@ struct TANDEM_API HingeJointDef {
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
   JointAxis axis = {};              ///< rad, N m
-  double start = 0.0;               ///< rad, as above
-  bool collide_connected = true;    ///< as above
+  double start = 0.0;               ///< rad, see SixDofJointDef
+  bool collide_connected = true;    ///< see SixDofJointDef
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
 /// Lets b move along the x axis of a, without turning. Limits, spring and motor are those of
 /// `axis`.
 struct TANDEM_API SliderJointDef {
-  BodyId a = {}, b = {};  ///< as above
+  BodyId a = {}, b = {};  ///< see SixDofJointDef
   JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
@@ -186,14 +185,15 @@ struct TANDEM_API SliderJointDef {
   double break_force = 0.0;         ///< N
   double break_torque = 0.0;        ///< N m
   JointAxis axis = {};              ///< m, N
-  bool collide_connected = true;    ///< as above
+  bool collide_connected = true;    ///< see SixDofJointDef
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
-/// Holds a wheel, b, under a chassis, a: it turns about x, the axle, and moves along z, the way of
-/// its suspension. Steering turns the axle about z: JointBlock::set() with another angle.
+/// Holds a wheel b under a chassis a. The wheel turns about x, the axle, and moves along z, the
+/// direction of its suspension. Steering turns the axle about z: JointBlock::set() with another
+/// angle.
 struct TANDEM_API WheelJointDef {
-  BodyId a = {}, b = {};  ///< as above
+  BodyId a = {}, b = {};  ///< see SixDofJointDef
   JointFrame frame_a = {}, frame_b = {};
   double compliance = 0.0;          ///< m/N
   double damping = 0.0;             ///< N s/m
@@ -203,14 +203,14 @@ struct TANDEM_API WheelJointDef {
   double break_torque = 0.0;        ///< N m
   JointAxis suspension = {};        ///< m, N: spring and stops along z, positive when compressed
   double steer = 0.0;               ///< rad, about z
-  JointMotor drive = {};            ///< of the axle, rad/s, N m
-  double brake = 0.0;               ///< N m, >= 0: above 0 it holds the axle, and nothing drives it
-  bool collide_connected = true;    ///< as above
+  JointMotor drive = {};            ///< axle motor, rad/s, N m
+  double brake = 0.0;  ///< N m, >= 0: above 0 it brakes the axle and switches the drive off
+  bool collide_connected = true;    ///< see SixDofJointDef
   operator SixDofJointDef() const;  // NOLINT(google-explicit-constructor)
 };
 
-/// Frames at the world point `anchor_w` (m) with x along `axis_w` (longer than 1e-9), as the bodies
-/// stand now: all coordinates are 0 there. They throw std::invalid_argument on a bad body or axis.
+/// Frames at the world point `anchor_w` (m) with x along `axis_w` (longer than 1e-9); all
+/// coordinates are 0 at the current poses. They throw std::invalid_argument on a bad body or axis.
 TANDEM_API SixDofJointDef six_dof_joint_at(const World& world, BodyId a, BodyId b,
                                            const Vec3& anchor_w,
                                            const Vec3& axis_w = Vec3::UnitX());
@@ -222,7 +222,8 @@ TANDEM_API HingeJointDef hinge_joint_at(const World& world, BodyId a, BodyId b,
                                         const Vec3& anchor_w, const Vec3& axis_w);
 TANDEM_API SliderJointDef slider_joint_at(const World& world, BodyId a, BodyId b,
                                           const Vec3& anchor_w, const Vec3& axis_w);
-/// @param up_w  of the suspension: z is what of it is at right angles to the axle, longer than 1e-9
+/// @param up_w  direction of the suspension: z is its part perpendicular to the axle, longer than
+///   1e-9
 TANDEM_API WheelJointDef wheel_joint_at(const World& world, BodyId chassis, BodyId wheel,
                                         const Vec3& anchor_w, const Vec3& axle_w, const Vec3& up_w);
 

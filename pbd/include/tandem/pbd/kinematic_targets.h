@@ -13,13 +13,13 @@
 
 namespace tandem::pbd {
 
-/// Where a kinematic body is to be after the next step.
+/// Pose of a kinematic body after the next step.
 struct TANDEM_API KinematicTarget {
   std::uint32_t index = 0;  ///< slot
   Pose pose = {};           ///< m, world
 };
 
-/// At most one target for each body; each is found by its body's slot.
+/// At most one target per body, found by the body's slot.
 class TANDEM_API KinematicTargets {
  public:
   std::span<const KinematicTarget> all() const { return targets_; }
@@ -51,7 +51,7 @@ class TANDEM_API KinematicTargets {
   }
 
   std::vector<KinematicTarget> targets_;
-  std::vector<std::uint32_t> places_;  ///< by slot, into targets_, where that one is the body's
+  std::vector<std::uint32_t> places_;  ///< by slot, into targets_; valid if it names the slot
 };
 
 }  // namespace tandem::pbd

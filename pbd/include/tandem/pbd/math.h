@@ -9,8 +9,8 @@
 
 namespace tandem::pbd {
 
-/// Eigen's a.dot(b), with its bits, of vectors that have just been made: Eigen reads pairs of
-/// numbers that were written one by one, for which the processor waits.
+/// a.dot(b) with the bits of Eigen's. Eigen reads pairs of numbers that were just written singly,
+/// which stalls store forwarding.
 inline double dot(const Vec3& a, const Vec3& b) {
   return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
 }
@@ -61,9 +61,8 @@ inline Mat3 skew(const Vec3& a) {
   return m;
 }
 
-/// Tensor given in the local frame of q, expressed in the world: R T R^T. Number by number and in
-/// place, as numbers that are written one by one and read in pairs make the processor wait; in the
-/// order of Eigen's products, so that the bits are theirs.
+/// Tensor given in the local frame of q, expressed in the world: R T R^T. Scalar and in place, to
+/// avoid stalled store forwarding; in the order of Eigen's products, so that the bits are the same.
 inline void tensor_to_world(const Quat& q, const Mat3& tensor_l, Mat3& tensor_w) {
   const double x2 = 2.0 * q.x(), y2 = 2.0 * q.y(), z2 = 2.0 * q.z();
   const double wx = x2 * q.w(), wy = y2 * q.w(), wz = z2 * q.w();
@@ -92,8 +91,8 @@ inline Mat3 tensor_to_world(const Quat& q, const Mat3& tensor_l) {
   return tensor_w;
 }
 
-/// Inverse of a symmetric tensor on the axes that are free. An axis is locked where the diagonal is
-/// 0: its row and column are 0 in the tensor and in the result.
+/// Inverse of a symmetric tensor on its free axes. An axis is locked if its diagonal entry is 0:
+/// its row and column are 0 in the tensor and in the result.
 inline Mat3 inverse_where_free(const Mat3& tensor) {
   const Vec3 diagonal = tensor.diagonal();
   if ((diagonal.array() > 0.0).all()) return tensor.inverse();
@@ -110,8 +109,8 @@ inline Mat3 inverse_where_free(const Mat3& tensor) {
   return result;
 }
 
-/// Two unit vectors that complete the unit vector n to a right-handed frame (n, t1, t2). The choice
-/// depends on n alone, and smoothly except where n points along -z.
+/// Two unit vectors that complete the unit vector n to a right-handed frame (n, t1, t2). They
+/// depend on n alone, and smoothly except at n = -z.
 /// Source: [duff2017] Listing 3.
 inline void tangent_frame(const Vec3& n, Vec3& t1, Vec3& t2) {
   const double sign = std::copysign(1.0, n.z());

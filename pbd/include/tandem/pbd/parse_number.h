@@ -11,8 +11,8 @@
 
 namespace tandem::pbd::detail {
 
-/// Whether the whole of `text` is a number that fits: as std::from_chars reads it, whatever the
-/// locale. Standard libraries that read no floating-point numbers so (libc++ before 20) do as well.
+/// Whether the whole of `text` is a number in range, read as by std::from_chars in any locale.
+/// Works with standard libraries whose std::from_chars lacks floating point (libc++ before 20).
 TANDEM_API bool parse_number(std::string_view text, double& value);
 
 template <std::integral Integer>

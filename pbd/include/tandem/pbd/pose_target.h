@@ -17,10 +17,10 @@ struct SolverOptions;
 
 /// How a target moves while the step runs.
 enum class TargetMotion : std::uint8_t {
-  /// With its own twist, and with every acceleration that the local body feels (gravity, contact,
-  /// joints): right where the remote body is simulated too and feels the same.
+  /// With its own twist and with every acceleration of the local body (gravity, contact, joints):
+  /// right if the remote body is simulated too and feels the same.
   WithBody,
-  /// With its own twist alone: right where somebody moves the remote body by hand.
+  /// With its own twist alone: right if the remote body is moved by hand.
   Inertial,
 };
 
@@ -29,31 +29,31 @@ enum class TargetMotion : std::uint8_t {
 /// weight 1 and the remote weight share / (1 - share).
 struct TANDEM_API PoseTarget {
   BodyId body = {};
-  Pose pose = {};      ///< at the start of the step to come, world
+  Pose pose = {};      ///< world, at the start of the coming step
   Twist twist = {};    ///< world
-  double share = 0.0;  ///< of the gap closed per 1/60 s, 0 to 1; 1 = the remote owns the body
+  double share = 0.0;  ///< of the gap, closed per 1/60 s, 0 to 1; 1 = the remote owns the body
   TargetMotion motion = TargetMotion::WithBody;
-  /// Rotation vector (rad, world) from the local orientation to the target's, used in place of
-  /// `pose.orientation` where `use_rotation_error` is set: a fused rotation whose share-fraction is
-  /// the exact average may lie beyond half a turn.
+  /// Rotation vector (rad, world) from the local orientation to the target's; replaces
+  /// `pose.orientation` if `use_rotation_error` is set. Needed for fused rotations, whose
+  /// share-fraction is the exact average and which may be longer than half a turn.
   Vec3 rotation_error = Vec3::Zero();
   bool use_rotation_error = false;
 };
 
 /// What agreement did to one body in the last step.
 struct TANDEM_API Correction {
-  Vec3 translation = Vec3::Zero();  ///< m, world: sum of the displacement channel
+  Vec3 translation = Vec3::Zero();  ///< m, world: sum over the displacement channel
   Vec3 rotation = Vec3::Zero();     ///< rad, world, rotation vector
-  Twist twist = {};                 ///< velocity agreement
+  Twist twist = {};                 ///< change by velocity agreement
 };
 
-/// Anything that knows where remote peers see the bodies; `consensus` implements this.
+/// Provides the poses that remote peers have for bodies; `consensus` implements this.
 class TANDEM_API TargetSource {
  public:
   virtual ~TargetSource() = default;
 
-  /// Append the targets of the step to come; at most one per body.
-  /// @param options  of the solver that makes it
+  /// Append the targets of the coming step; at most one per body.
+  /// @param options  options of the solver that makes the step
   virtual void collect(const World& world, double dt, const SolverOptions& options,
                        std::vector<PoseTarget>& out) = 0;
 };

@@ -11,11 +11,11 @@
 
 namespace tandem::pbd {
 
-/// Properties of bodies by slot. What is static and nothing else, as the parts of a level are,
-/// shares one record.
+/// Properties of bodies by slot. Plain static bodies, such as the parts of a level, share one
+/// record.
 class TANDEM_API PropsTable {
  public:
-  /// Over all slots.
+  /// Iterates over all slots.
   class Iterator {
    public:
     Iterator(const PropsTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
@@ -35,21 +35,21 @@ class TANDEM_API PropsTable {
   std::size_t size() const { return record_of_.size(); }
   const BodyProps& operator[](std::size_t slot) const { return records_[record_of_[slot]]; }
 
-  /// New slots are empty: as BodyProps is by default.
+  /// New slots have default BodyProps.
   void resize(std::size_t slots);
   void reserve(std::size_t slots) { record_of_.reserve(slots); }
   void set(std::size_t slot, const BodyProps& props);
-  /// For changes of one field. Moves other records where the body had none of its own.
+  /// For changes of one field. Gives the body a record of its own, which may move other records.
   BodyProps& own(std::size_t slot);
-  /// Become a copy; memory is used again.
+  /// Become a copy; memory is reused.
   void assign(const PropsTable& source);
 
  private:
   void release(std::size_t slot);
 
-  std::vector<BodyProps> records_;        ///< the first one is the shared one
+  std::vector<BodyProps> records_;        ///< the first one is shared
   std::vector<std::uint32_t> record_of_;  ///< by slot
-  std::vector<std::uint32_t> free_;       ///< records
+  std::vector<std::uint32_t> free_;       ///< unused records
 };
 
 }  // namespace tandem::pbd

@@ -28,7 +28,7 @@ class TANDEM_API SplitMix64 {
   double uniform(double low, double high) { return low + (high - low) * unit(); }
   /// Uniform in [0, count), count > 0; the bias is below count / 2^64.
   std::uint64_t below(std::uint64_t count) { return next() % count; }
-  /// Whether something of that probability happens.
+  /// True with that probability.
   bool chance(double probability) { return unit() < probability; }
 
  private:

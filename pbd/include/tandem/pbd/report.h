@@ -22,7 +22,7 @@ inline constexpr std::array<std::string_view, kStageCount> kStageNames{
 
 enum class StepStatus : std::uint8_t {
   Ok,
-  NonFinite,    ///< a body became NaN or infinite; it was put back to where the step began, at rest
+  NonFinite,    ///< a body became NaN or infinite; it was reset to where the step began, at rest
   InvalidStep,  ///< dt is not finite or below kShortestStep: nothing was done
 };
 
@@ -30,35 +30,35 @@ enum class StepStatus : std::uint8_t {
 struct TANDEM_API ConsensusEnergy {
   double displacement = 0.0;        ///< kinetic, carried by the displacement channel; must be 0
   double velocity_agreement = 0.0;  ///< change of kinetic energy by blending velocities
-  /// Change of gravitational energy by displacement, and of the energy that a spinning body has for
-  /// being turned at the same angular velocity.
+  /// Change of gravitational energy by displacement, and of the rotational energy of spinning
+  /// bodies that were turned at constant angular velocity.
   double potential = 0.0;
 };
 
-/// What the bodies and rows of a step asked for. What nothing asks for is left out.
+/// Parts of the step that bodies and rows need; the others are skipped.
 struct TANDEM_API StepParts {
   bool contacts = false;
   bool friction = false;
   bool restitution = false;
   bool joints = false;      ///< rows that project poses: joints, springs, tethers
   bool rotation = false;    ///< some body turns or may be turned
-  bool sleep = false;       ///< bodies are watched for rest
-  bool refinement = false;  ///< islands are asked how many substeps they need
+  bool sleep = false;       ///< bodies are checked for rest
+  bool refinement = false;  ///< islands report how many substeps they need
   bool targets = false;
 };
 
-/// What one step did. A reference that is valid until the solver's next step.
+/// Report of one step. References are valid until the solver's next step.
 struct TANDEM_API StepReport {
   StepStatus status = StepStatus::Ok;
   BodyId first_bad_body = {};  ///< valid where status is NonFinite
-  int substeps = 0;            ///< of the group that had most
+  int substeps = 0;            ///< of the group with most
   int bodies = 0;
   int targets = 0;
   int awake = 0;                ///< bodies that were solved
-  int stopped = 0;              ///< bodies that would have got through something
-  int groups = 0;               ///< of islands with different numbers of substeps
+  int stopped = 0;              ///< bodies stopped before they tunnelled
+  int groups = 0;               ///< groups of islands, each with its number of substeps
   int velocity_iterations = 0;  ///< over all substeps
-  int turning = 0;              ///< bodies whose orientation something may change
+  int turning = 0;              ///< bodies whose orientation may change
   int threads = 1;
   std::array<bool, kStageCount> ran{};  ///< whether the stage had anything to do
   StepParts parts = {};

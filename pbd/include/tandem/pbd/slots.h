@@ -11,9 +11,8 @@
 
 namespace tandem::pbd {
 
-/// Which slots of arrays are in use. What comes and goes keeps its slot while it is there; a slot
-/// that is used again has another generation, so that an id of what is gone names nothing.
-/// The arrays themselves are the owner's, as long as size().
+/// Tracks which slots of arrays are in use. An element keeps its slot while it lives; a reused slot
+/// has a new generation, so that stale ids name nothing. The owner keeps the arrays, size() long.
 class TANDEM_API Slots {
  public:
   std::uint32_t size() const { return static_cast<std::uint32_t>(alive_.size()); }
@@ -28,12 +27,12 @@ class TANDEM_API Slots {
     alive_.reserve(slots);
     generations_.reserve(slots);
   }
-  /// The slot that was freed last; where none is free a new one at the end.
+  /// Takes the slot that was freed last, or appends a new one if none is free.
   std::uint32_t take() {
     if (free_.empty()) {
       alive_.push_back(1);
       generations_.push_back(0);
-      free_.reserve(alive_.capacity());  // so that release() needs no memory
+      free_.reserve(alive_.capacity());  // release() must not allocate
       return size() - 1;
     }
     const std::uint32_t slot = free_.back();
@@ -52,7 +51,7 @@ class TANDEM_API Slots {
     generations_.clear();
     free_.clear();
   }
-  /// Become a copy, whose release() needs no memory either.
+  /// Becomes a copy whose release() does not allocate either.
   void assign(const Slots& source) {
     alive_ = source.alive_;
     generations_ = source.generations_;
@@ -60,7 +59,7 @@ class TANDEM_API Slots {
     free_.reserve(alive_.size());
   }
 
-  // For snapshots: the slots one by one, then those that are free.
+  // For snapshots: each slot, then the free list.
   void save_slot(ByteWriter& out, std::uint32_t slot) const {
     out.u8(alive_[slot]);
     out.u32(generations_[slot]);
@@ -70,7 +69,7 @@ class TANDEM_API Slots {
     generations_.push_back(in.u32());
   }
   void save_free(ByteWriter& out) const;
-  /// Fails `in` where it does not name each slot that is not in use, once.
+  /// Fails `in` unless it names each unused slot exactly once.
   void load_free(ByteReader& in);
 
  private:

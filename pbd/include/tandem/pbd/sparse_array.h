@@ -14,9 +14,9 @@
 
 namespace tandem::pbd::detail {
 
-/// An array whose elements begin as zeros and take memory, page by page, where they are written to:
-/// what is kept of each body costs nothing for those of which there is nothing to keep. For types
-/// that may be moved as bytes and that zeros are a value of: new elements are zeros and not `T{}`.
+/// An array of zeros that takes memory page by page when elements are written, so that unused
+/// elements are free. For trivially copyable types with zero as a valid value: new elements are
+/// zeros and not `T{}`.
 template <class T>
 class SparseArray {
   static_assert(std::is_trivially_destructible_v<T>);
@@ -47,7 +47,7 @@ class SparseArray {
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
     SparseArray grown;
-    // Large blocks come from the system as they are, and are zero.
+    // calloc() maps large blocks as untouched zero pages.
     if (capacity > (SIZE_MAX - alignof(T)) / sizeof(T)) throw std::bad_alloc();
     std::size_t room = capacity * sizeof(T) + alignof(T);
     grown.memory_.reset(std::calloc(room, 1));
@@ -82,7 +82,7 @@ class SparseArray {
     std::swap(used_, other.used_);
     std::swap(capacity_, other.capacity_);
   }
-  // Both leave pages alone that are as they should be.
+  // Both skip pages that are equal already.
   void copy(const T* source, std::size_t count) {
     const auto* from = reinterpret_cast<const std::byte*>(source);
     for_blocks(0, count, [&](std::byte* to, std::size_t at, std::size_t bytes) {
@@ -105,7 +105,7 @@ class SparseArray {
   std::unique_ptr<void, Free> memory_;
   T* data_ = nullptr;
   std::size_t size_ = 0;
-  std::size_t used_ = 0;  ///< the largest size that it has had
+  std::size_t used_ = 0;  ///< largest size so far
   std::size_t capacity_ = 0;
 };
 

@@ -7,27 +7,28 @@
 
 namespace tandem::pbd {
 
-/// A user's spring: pulls a point of a body towards a moving point of the world, with damping and
-/// a limit on its force. Three of them at different points hold a body like a loose hand.
+/// A user's spring: pulls a point of a body towards a moving point of the world, with damping and a
+/// bound on its force. Three of them at different points hold a body like a loose hand.
 /// C = p - anchor(t) [m, three rows];  force = -stiffness C - damping dC/dt, cut at max_force.
-/// Source: [macklin2016] Eq. 26 as a 3x3 block. It takes no part in the displacement channel: a
-/// loose spring does not hold a body against its target, and its stretch is felt in Real at once.
+/// Source: [macklin2016] Eq. 26 as a 3x3 block. It has no part in the displacement channel: a loose
+/// spring does not hold a body against its target, and its stretch acts in the real channel at
+/// once.
 class TANDEM_API Tether {
  public:
   static constexpr std::string_view kName = "tether";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Compliant);
   static constexpr bool kGroupsAtOnce = true;
 
-  /// N/m: beyond these a spring is none, or a joint; and compliance over step squared, of which the
-  /// rows are made, would leave what a double can hold.
+  /// N/m: a spring below has no effect, one above is a joint. Rows use compliance over substep
+  /// squared, which would leave the range of a double outside these bounds.
   static constexpr double kMinStiffness = 1e-9;
   static constexpr double kMaxStiffness = 1e15;
 
   struct Def {
     BodyId body = {};
     Vec3 anchor_l = Vec3::Zero();  ///< m, frame of the body
-    /// m, world, at the start of the next step. Steps carry it on by `anchor_velocity`, so that
-    /// Tethers::def() tells where it has come to, not where it was set.
+    /// m, world, at the start of the next step. Steps advance it by `anchor_velocity`, so
+    /// Tethers::def() returns its current place.
     Vec3 anchor_w = Vec3::Zero();
     Vec3 anchor_velocity = Vec3::Zero();  ///< m/s, world
     double stiffness = 500.0;             ///< N/m, kMinStiffness to kMaxStiffness
@@ -46,7 +47,7 @@ class TANDEM_API Tether {
   // RUN TIME PROPERTIES FOLLOW
   void begin_substep(const SubstepContext& ctx);
   double project(const SubstepContext& ctx);
-  /// An anchor under way moves the body.
+  /// A moving anchor moves the body.
   bool actuated() const { return !def_.anchor_velocity.isZero(0.0); }
   bool force_driven() const { return true; }
   double residual() const { return 0.0; }

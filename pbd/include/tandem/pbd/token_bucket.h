@@ -7,12 +7,12 @@
 
 namespace tandem::pbd {
 
-/// What one member may have others do: so much a second, and so much at once where it has been
-/// quiet. A token bucket that may go below zero, so that what is not known before it is done can be
-/// paid for afterwards. Times in ns, of any clock; one that goes back is no income.
+/// Rate limit for what one member may make others do: so much a second, with a burst after a quiet
+/// time. A token bucket that may go below zero, so that costs known only afterwards can be charged.
+/// Times in ns, of any clock; a clock that goes back adds nothing.
 class TokenBucket {
  public:
-  /// s: who has been over it for so long is not in a hurry, but does harm.
+  /// s: a sender that exceeds its rate for longer than this is abusive, not just in a hurry.
   static constexpr std::int64_t kPatience = 2'000'000'000;
 
   TokenBucket() = default;
@@ -24,7 +24,7 @@ class TokenBucket {
     tokens_ = std::min(tokens_, burst);
   }
 
-  /// Whether there is anything left now. Where not, that counts as a refusal.
+  /// Whether tokens are left now. If not, it counts as a refusal.
   bool admits(std::int64_t now) {
     if (fill(now)) return true;
     if (refused_ == 0 || now - last_refused_ > kPatience / 4) over_since_ = now;
@@ -32,7 +32,7 @@ class TokenBucket {
     ++refused_;
     return false;
   }
-  /// The same without counting.
+  /// Refills; like admits(), but counts no refusal.
   bool fill(std::int64_t now) {
     if (started_ && now > at_) {
       tokens_ = std::min(burst_, tokens_ + per_second_ * 1e-9 * static_cast<double>(now - at_));
@@ -44,9 +44,9 @@ class TokenBucket {
   void spend(double tokens) { tokens_ -= tokens; }
 
   std::uint64_t refused() const { return refused_; }
-  /// It has been dropped for that, and begins anew.
+  /// The member was dropped as abusive; start anew.
   void forgive() { last_refused_ = over_since_; }
-  /// Refused again and again for kPatience, up to the last time.
+  /// Whether refusals have gone on for kPatience, up to the last one.
   bool abused() const { return refused_ > 0 && last_refused_ - over_since_ >= kPatience; }
 
  private:

@@ -36,25 +36,28 @@ struct TANDEM_API ConstraintId {
   friend auto operator<=>(const ConstraintId&, const ConstraintId&) = default;
 };
 
-/// All constraints of the kind C, in one array, swept in the order of their slots, or of their
-/// bodies where those have stable ids.
+/// All constraints of kind C in one array, swept in the order of slots, or of bodies if those have
+/// stable ids.
 ///
-/// C is a plain class that names the verbs it needs, out of those of ConstraintBlock, for one row:
+/// C is a plain class with the verbs of ConstraintBlock that it needs, for one row:
 ///   static constexpr std::string_view kName;  static constexpr int kOrder;
 ///   struct Def; static void check(const World&, const Def&) (throws); explicit C(const Def&);
 ///   BodyId body_a() const, body_b() const (the invalid id stands for the world);
 ///   double residual() const; double displacement_residual() const;
 ///   void save(ByteWriter&) const; void load(ByteReader&); const Def& def() const; Def& def();
-///   double project(const SubstepContext&) (the move it asked for, m), and, where wanted,
-///   forgive (of a row with a body that SubstepContext::displaced names), bool find_gap (at the
-///   start of a step, of all other rows: see has_gaps()), begin_substep,
-///   displace, solve_velocity, finish_velocity, begin_displacement, project_displacement,
-///   end_displacement, end_step; where a row has more bodies than two, bool names(BodyId) const and
-///   append_edges(std::vector<ConstraintEdge>&) const, of the others; where no row writes to a body
-///   that cannot move, or to anything else that it shares, static constexpr bool kGroupsAtOnce =
-///   true; bool active() const (false leaves the row out), actuated() const and force_driven()
-///   const (see ConstraintEdge).
-/// Where C is a value that can be copied, so is the block (WorldCopy).
+///   double project(const SubstepContext&) (the move that it asked for, m);
+/// and optionally
+///   forgive (at the start of a step, rows with a body in SubstepContext::displaced),
+///   bool find_gap (at the start of a step, all other rows: see has_gaps()),
+///   begin_substep, displace, solve_velocity, finish_velocity, begin_displacement,
+///   project_displacement, end_displacement, end_step;
+///   bool names(BodyId) const, append_edges(std::vector<ConstraintEdge>&) const
+///   (both for the bodies beyond the first two of a row);
+///   static constexpr bool kGroupsAtOnce = true
+///   (rows write to nothing shared and to no immovable body);
+///   bool active() const (false leaves the row out),
+///   actuated() const, force_driven() const (see ConstraintEdge).
+/// If C can be copied, so can the block (WorldCopy).
 template <class C>
 class TANDEM_API TypedBlock final : public ConstraintBlock {
  public:
@@ -77,11 +80,11 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
 
   bool contains(ConstraintId id) const { return slots_.contains(id.index, id.generation); }
   void remove(ConstraintId id) { erase(checked(id)); }
-  /// References to both are good until a row is added, or the block loaded or assigned to.
+  /// The returned references are valid until a row is added, or the block is loaded or assigned to.
   const C& at(ConstraintId id) const { return rows_[checked(id)]; }
   const Def& def(ConstraintId id) const { return rows_[checked(id)].def(); }
   /// Change parameters; carried state stays.
-  /// @throws std::invalid_argument  where the bodies are others as well
+  /// @throws std::invalid_argument  if it names other bodies
   void set(const World& world, ConstraintId id, const Def& def) {
     const std::uint32_t index = checked(id);
     C::check(world, def);
@@ -218,7 +221,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
     const std::uint32_t size = in.u32();
     rows_.clear();
     slots_.clear();
-    by_body_.outdate();  // not yet: what the bytes name may be no body
+    by_body_.outdate();  // rebuilt later: the input may name bodies that do not exist
     sequence_is_old_ = true;
     for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
       slots_.load_slot(in);
@@ -290,7 +293,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       return true;
     }
   }
-  /// Rows of bodies that are awake, those of each group together and in sequence.
+  /// Sorts the rows of awake bodies by group, in sequence within each.
   void sort_by_group(std::span<const SolverBody> bodies) {
     const auto group_of = [&](const C& c) {
       std::uint32_t group = SolverBody::kNoGroup;
@@ -313,7 +316,7 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
       if (group == SolverBody::kNoGroup) return;
       by_group_[first_[group]++] = static_cast<std::uint32_t>(&c - rows_.data());
     });
-    // Each has run on to where the next one begins.
+    // Each entry has advanced to the begin of the next group.
     for (std::size_t g = first_.size() - 1; g > 0; --g) first_[g] = first_[g - 1];
     first_[0] = 0;
   }
@@ -374,12 +377,12 @@ class TANDEM_API TypedBlock final : public ConstraintBlock {
   std::vector<C> rows_;
   Slots slots_;
   mutable ByBody by_body_;
-  std::vector<std::uint32_t> changed_;   ///< bodies, until the next step
-  std::vector<std::uint32_t> sequence_;  ///< slots in the order of sweeps; empty = as they are
-  std::vector<std::uint32_t> by_group_;  ///< slots
-  std::vector<std::uint32_t> first_;     ///< by group, into by_group_
+  std::vector<std::uint32_t> changed_;   ///< bodies to wake in the next step
+  std::vector<std::uint32_t> sequence_;  ///< slots in the order of sweeps; empty = ascending
+  std::vector<std::uint32_t> by_group_;  ///< slots sorted by group
+  std::vector<std::uint32_t> first_;     ///< by group, first index into by_group_
   bool sequence_is_old_ = true;
-  bool natural_ = true;  ///< the order of bodies that the sequence was made for
+  bool natural_ = true;  ///< order of bodies used for the sequence
   bool gaps_ = false;
 };
 

@@ -16,8 +16,8 @@ using Mat3 = Eigen::Matrix3d;
 /// that code built with AVX can link a library built without.
 using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
-/// q * v with the same bits. Eigen's own writes its cross product number by number and reads it
-/// back in pairs, for which the processor waits longer than for all the rest.
+/// q * v with the same bits. Eigen's own writes its cross product number by number and reads it in
+/// pairs, which stalls store forwarding for longer than all the rest takes.
 [[gnu::always_inline]] inline Vec3 rotate(const Quat& q, const Vec3& v) {
   const double x = 2.0 * (q.y() * v.z() - q.z() * v.y());
   const double y = 2.0 * (q.z() * v.x() - q.x() * v.z());
@@ -26,7 +26,7 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
           v.z() + q.w() * z + (q.x() * y - q.y() * x)};
 }
 
-/// Position (m) and orientation of a body's centre of mass frame in the world.
+/// Position (m) and orientation of the centre-of-mass frame of a body in the world.
 struct TANDEM_API Pose {
   Vec3 position = Vec3::Zero();
   Quat orientation = Quat::Identity();

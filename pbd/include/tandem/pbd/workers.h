@@ -26,15 +26,14 @@ void visit(void* f, std::uint32_t index, int worker) {
 
 }  // namespace detail
 
-/// A fixed team of threads for the stages of one step; the calling thread is worker 0. Whoever of
-/// the others is awake helps: a worker that the machine has put aside takes no work, and nobody
-/// waits for it. Only what was begun is waited for. Results must not depend on which worker does
-/// what: each piece of work writes only what belongs to itself.
+/// A fixed team of threads for the stages of one step; the calling thread is worker 0. The other
+/// workers help if they are running: a worker that the OS has preempted takes no work and is not
+/// waited for, unless it has begun some. Results must not depend on which worker does what: each
+/// piece of work writes only its own data.
 ///
-/// A worker that waits looks again and again, after 20 us it lets others have its processor, and
-/// after 1 ms it is put to sleep. On a busy machine, where a worker was put aside in the middle of
-/// its work, the calling thread works alone for some time: it loses a tenth of its time to waiting
-/// at most.
+/// An idle worker spins, yields after 20 us and sleeps after 1 ms. If the OS preempts a worker
+/// mid-chunk, the calling thread works alone for some time, so that it loses at most a tenth of its
+/// time to waiting.
 /// @par Thread safety  One thread at a time may call these methods; they do not nest.
 class TANDEM_API Workers {
  public:
@@ -47,11 +46,11 @@ class TANDEM_API Workers {
 
   int count() const { return count_; }
 
-  /// Call f(begin, end, worker) on consecutive chunks that cover [0, size), each of at most `grain`
-  /// indices, the first one from 0, the next from `grain` and so on. Each worker begins with its
-  /// own part of them, the same one for the same size: its caches have what it had in hand before.
-  /// Then it helps the others. Fewer than eight chunks are left to the calling thread, in one call
-  /// with all of them: what they are about is in its caches. Allocates nothing. f must not throw.
+  /// Call f(begin, end, worker) on consecutive chunks of `grain` indices (the last may be shorter)
+  /// that cover [0, size). Each worker begins with its own part, the same one for the same size,
+  /// which its caches may still hold; then it helps the others. Fewer than eight chunks are done by
+  /// the calling thread in one call, as its caches hold their data. Allocates nothing. f must not
+  /// throw.
   template <class F>
   void for_chunks(std::size_t size, std::size_t grain, F&& f) {
     if (count_ == 1 || size < kFew * grain) {
@@ -66,7 +65,7 @@ class TANDEM_API Workers {
                detail::visit<decltype(visit)>, &visit);
   }
 
-  /// Whether f(begin, end) of some chunk is true. Once one is, others may not be asked.
+  /// Whether f(begin, end) is true for some chunk. The others may be skipped then.
   template <class F>
   bool any_chunk(std::size_t size, std::size_t grain, F&& f) {
     if (count_ == 1 || size < kFew * grain) return size > 0 && f(std::size_t{0}, size);
@@ -78,7 +77,7 @@ class TANDEM_API Workers {
     return any.load();
   }
 
-  /// Call f(task, worker) for the tasks from 0 to count - 1, begun in this order.
+  /// Call f(task, worker) for tasks 0 to count - 1, begun in this order.
   template <class F>
   void for_tasks(std::uint32_t count, F&& f) {
     if (count_ == 1 || count <= 1) {
@@ -89,15 +88,15 @@ class TANDEM_API Workers {
     run_tasks(count, detail::visit<decltype(visit)>, &visit);
   }
 
-  /// Call f(worker) by each worker that comes while the calling one is at it: f has to do all of
-  /// the work, however few come.
+  /// Call f(worker) on each worker that joins while the calling one is busy: f must do all of the
+  /// work, however few join.
   template <class F>
   void for_each(F&& f) {
     auto task = [&](int worker) { f(worker); };
     meet(detail::act<decltype(task)>, &task, true);
   }
 
-  /// The calling thread has waited for so long at a time. @pre several workers
+  /// The calling thread has waited once for that long. @pre several workers
   void note_lost(std::chrono::steady_clock::duration waited);
 
  private:
@@ -108,7 +107,7 @@ class TANDEM_API Workers {
 
   void run_chunks(std::uint32_t chunks, Visit visit, void* context);
   void run_tasks(std::uint32_t tasks, Visit visit, void* context);
-  /// @param short_parts  a long wait for others says that the machine has put one aside
+  /// @param short_parts  parts are short: a long wait means that a worker was preempted
   void meet(Task task, void* context, bool short_parts);
 
   struct Team;

@@ -32,7 +32,7 @@ class WorldCopy;
 
 namespace detail {
 
-/// A pointer to what others own, or something else of the holder does: null in what was moved from.
+/// A non-owning pointer that is null after it was moved from.
 template <class T>
 class Borrowed {
  public:
@@ -43,7 +43,7 @@ class Borrowed {
     pointer_ = std::exchange(other.pointer_, nullptr);
     return *this;
   }
-  operator T*() const { return pointer_; }  // NOLINT(google-explicit-constructor): likewise
+  operator T*() const { return pointer_; }  // NOLINT(google-explicit-constructor): as above
   T* operator->() const { return pointer_; }
 
  private:
@@ -56,36 +56,36 @@ struct TANDEM_API WorldDef {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);  ///< m/s^2
 };
 
-/// Bodies, the blocks of constraints between them, and where contacts and targets come from.
-/// Everything that a step depends on is in here (Solver keeps scratch only).
+/// Bodies, the blocks of constraints between them, and the sources of contacts and targets. It
+/// holds everything that a step depends on (Solver keeps scratch only).
 ///
 /// Errors: all mutators throw std::invalid_argument naming field, value and rule, and leave the
 /// world as it was. Ids of removed bodies are refused the same way.
-/// References and spans that it returns are into its arrays: they are good until a body is added or
-/// removed or gets another type, a block comes or goes, or restore().
+/// Returned references and spans point into its arrays: they are valid until a body is added,
+/// removed or changes type, a block is added or removed, or restore().
 /// @par Thread safety  Distinct worlds: safe. One world: one thread at a time.
 class TANDEM_API World {
  public:
   explicit World(const WorldDef& def = {});
   ~World();
-  World(World&&) noexcept;  ///< the other one has no bodies, blocks and sources then
+  World(World&&) noexcept;  ///< leaves the other one without bodies, blocks and sources
   World& operator=(World&&) noexcept;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// Make room for so many bodies in all, before a large scene is built.
+  /// Reserves memory for so many bodies in all, before a large scene is built.
   void reserve(std::size_t bodies);
   BodyId add_body(const BodyDef& def);
   /// Removes the body and every constraint row that names it.
   void remove_body(BodyId id);
   bool contains(BodyId id) const;
-  /// The id of the body in slot `index`, or an invalid id where the slot is empty.
+  /// The id of the body in slot `index`, or an invalid id if the slot is empty.
   BodyId body_at(std::uint32_t index) const;
-  /// Slots in use or free; indices are below this.
+  /// Number of slots, used or free; indices are below it.
   std::uint32_t slot_count() const;
   std::size_t body_count() const;
 
-  /// The body with this stable id, or an invalid id where there is none.
+  /// The body with this stable id, or an invalid id if there is none.
   BodyId find(std::uint64_t stable_id) const;
   BodyOrder order() const;
 
@@ -95,74 +95,74 @@ class TANDEM_API World {
   const BodyProps& props(BodyId id) const;
   void set_pose(BodyId id, const Pose& pose);
   void set_twist(BodyId id, const Twist& twist);
-  /// Move a kinematic body so that it is at `pose` after the next step; it stands still after that.
+  /// Moves a kinematic body to `pose` within the next step; after that it stands still.
   void set_kinematic_target(BodyId id, const Pose& pose);
   void set_damping(BodyId id, double linear, double angular);  ///< 1/s, >= 0
   void set_gravity_scale(BodyId id, double scale);
   void set_locks(BodyId id, const AxisLocks& locks);
-  /// Of a living body: it is dynamic from then on, whatever it was; its velocity stays.
-  /// @param inertia  kg m^2, as BodyDef::inertia
+  /// Makes a body of any type dynamic; its velocity stays.
+  /// @param inertia  kg m^2, as in BodyDef::inertia
   void set_mass(BodyId id, double mass, const Mat3& inertia);
-  /// Of a dynamic body: it gets denser or lighter, and its inertia with it.
+  /// Changes the mass of a dynamic body; its inertia is scaled with it.
   void set_mass(BodyId id, double mass);
-  /// Make it Static, which stops it, or Kinematic, which goes on as it went; set_mass() makes
-  /// bodies dynamic. What touches it wakes.
+  /// Makes a body Static, which stops it, or Kinematic, which keeps its velocity; set_mass() makes
+  /// bodies dynamic. Touching bodies wake.
   void set_type(BodyId id, BodyType type);
-  /// The application's own number, an index or an address: nothing here reads it. No snapshot has
-  /// it; restore() leaves that of each body that is the same one before and after.
+  /// A number for the application, an index or an address; Tandem does not read it. Snapshots do
+  /// not include it; restore() keeps it for each body that exists before and after.
   std::uint64_t user_data(BodyId id) const;
   void set_user_data(BodyId id, std::uint64_t value);
 
-  /// Add to what acts on a dynamic body during the next step.
+  /// Adds to the force on a dynamic body during the next step.
   /// @param force  N, world
   void apply_force(BodyId id, const Vec3& force);
-  /// @param point_w  m, world, where it acts
+  /// @param point_w  m, world, point of application
   void apply_force(BodyId id, const Vec3& force, const Vec3& point_w);
   void apply_torque(BodyId id, const Vec3& torque);  ///< N m, world
-  /// Change a dynamic body's velocity at once. @param impulse  N s, world, at the centre of mass
+  /// Changes a dynamic body's velocity at once. @param impulse  N s, world, at the centre of mass
   void apply_impulse(BodyId id, const Vec3& impulse);
   void apply_impulse(BodyId id, const Vec3& impulse, const Vec3& point_w);
   void apply_angular_impulse(BodyId id, const Vec3& impulse);  ///< N m s, world
-  /// By slot: the sum of what apply_force() and apply_torque() collected for the next step. Empty
-  /// where nothing was applied since the last one.
+  /// By slot: sum of apply_force() and apply_torque() for the next step. Empty if nothing was
+  /// applied since the last step.
   std::span<const Wrench> wrenches() const { return wrenches_; }
-  /// None where set_kinematic_target() has given it none for the next step.
+  /// The target set by set_kinematic_target() for the next step, if any.
   std::optional<Pose> kinematic_target(BodyId id) const {
     return kinematic_targets_.pose_of(checked_index(id, "kinematic_target"));
   }
-  /// What set_kinematic_target() collected for the next step, at most one for each body.
+  /// All targets set by set_kinematic_target() for the next step, at most one per body.
   std::span<const KinematicTarget> kinematic_targets() const { return kinematic_targets_.all(); }
 
   /// Whether the body is solved; a sleeping one stands still until something disturbs its island.
   /// Every mutator that changes a body wakes it.
   bool awake(BodyId id) const;
   void wake(BodyId id);
-  /// By slot, without the generation check; immovable bodies count as awake where they move.
+  /// By slot, without generation check; immovable bodies count as awake while they move.
   bool awake_at(std::uint32_t index) const { return !activity_[index].asleep; }
-  /// By slot, likewise: what the solver remembers of bodies.
+  /// By slot, without generation check: what the solver remembers of bodies.
   std::span<const BodyActivity> activities() const { return activity_; }
-  /// Make a body what it was in another world, or before: nothing is woken, neither it nor what it
-  /// touches. One that is told to sleep is woken by the next step as ever.
-  /// @throws std::invalid_argument where a number is not finite or the orientation is not unit
+  /// Sets a body to a former state or one from another world. Neither it nor its neighbours are
+  /// woken. If it is set to sleep, the usual rules of the next step may wake it.
+  /// @throws std::invalid_argument if a number is not finite or the orientation is not unit
   void resume(BodyId id, const BodyState& state, const BodyActivity& activity);
-  /// Another number than before where WorldCopy::set_state() or resume() has moved a body and let
-  /// it sleep: a contact source that passes over sleeping bodies looks at all of them then.
+  /// Changes when WorldCopy::set_state() or resume() has moved a sleeping body: contact sources
+  /// that skip sleeping bodies must look at all of them then.
   std::uint64_t sleepers_moved() const { return sleepers_moved_; }
-  /// Another number than before where a body may have come, gone or been put elsewhere, by a step
-  /// or by hand: who remembers where bodies are need not look at them all to see that they are.
+  /// Changes whenever a body may have been added, removed or moved, by a step or by hand: while it
+  /// is constant, cached poses are valid.
   std::uint64_t placements() const { return placements_.value(); }
-  /// Slots of dynamic and kinematic bodies, ascending: all that a step looks at but for what
-  /// body_log() names.
+  /// Slots of dynamic and kinematic bodies, ascending. A step looks at these and at the entries of
+  /// body_log() only.
   std::span<const std::uint32_t> movers() {
     return body_log_.movers(
         states_.size(), [&](std::uint32_t slot) { return props_[slot].type != BodyType::Static; });
   }
   const BodyLog& body_log() const { return body_log_; }
-  /// By slot, without the generation check, for loops over all bodies.
+  /// By slot, without generation check, for loops over all bodies.
   std::span<const BodyState> states() const { return states_; }
   const PropsTable& all_props() const { return props_; }
 
-  /// Add a block of constraints: `auto& joints = world.add_block<JointBlock>();`. References stay
+  /// Adds a block of constraints: `auto& joints = world.add_block<JointBlock>();`. References stay
   /// valid until the block is removed or the world dies (moves keep them).
   template <class Block, class... Args>
   Block& add_block(Args&&... args) {
@@ -171,33 +171,33 @@ class TANDEM_API World {
     insert_block(std::move(block));
     return reference;
   }
-  /// Removes a block with all its rows and wakes the bodies that they named; the others keep their
-  /// order. The reference is dead after that. Not during a step.
-  /// @throws std::invalid_argument where it is none of blocks(), or is the one of contacts(), which
-  ///   stays as long as the world
+  /// Removes a block with all its rows and wakes the bodies that they named; the other blocks keep
+  /// their order. References to the block become invalid. Not during a step.
+  /// @throws std::invalid_argument if it is not one of blocks(), or is the one of contacts(), which
+  ///   lives as long as the world
   void remove_block(const ConstraintBlock& block);
-  /// In the order in which they are solved.
+  /// In the order of solving.
   std::span<const std::unique_ptr<ConstraintBlock>> blocks() const { return blocks_; }
 
-  /// Contacts from `source` are solved from the next step on; none where it is null. The caller
-  /// keeps it alive.
+  /// Contacts from `source` are solved from the next step on; null: none. The source must outlive
+  /// its use here.
   void set_contact_source(ContactSource* source);
   ContactSource* contact_source() const { return contact_source_; }
   /// The contacts of the last step; null before the first contact source.
   const ContactBlock* contacts() const { return contacts_; }
-  /// Targets from `source` are solved from the next step on. The caller keeps it alive.
+  /// Targets from `source` are solved from the next step on; it must outlive its use here.
   void set_target_source(TargetSource* source) { target_source_ = source; }
   TargetSource* target_source() const { return target_source_; }
-  /// Islands may go on in other worlds from the next step on; null: none does. The caller keeps it
-  /// alive.
+  /// Connects islands to other worlds from the next step on; null: none. It must outlive its use
+  /// here.
   void set_island_coupling(IslandCoupling* coupling) {
     island_coupling_ = coupling;
     body_log_.outdate();
   }
 
-  /// What agreement did to a body in the last step; zeros where nothing was shared.
+  /// What agreement did to a body in the last step; zeros if nothing was shared.
   Correction correction(BodyId id) const;
-  /// Whether the body felt a contact in the last step.
+  /// Whether the body had a contact force in the last step.
   bool in_contact(BodyId id) const;
 
   const Vec3& gravity() const { return gravity_; }
@@ -210,11 +210,11 @@ class TANDEM_API World {
   /// Kinetic plus gravitational energy (J), zero height at the origin.
   double mechanical_energy() const;
 
-  /// Everything that the next step depends on, as bytes: bodies, blocks with their carried
-  /// multipliers, the contact source's caches. restore() wants a world built the same way (same
-  /// blocks in the same order, same kind of source) and throws std::invalid_argument otherwise,
-  /// leaving this world as it was. The bytes may be anybody's: what would name things that are not
-  /// there, or is not a number, is refused.
+  /// Everything that the next step depends on, as bytes: bodies, blocks with carried multipliers,
+  /// caches of the contact source. restore() needs a world built the same way (same blocks in the
+  /// same order, same kind of source); otherwise it throws std::invalid_argument and leaves this
+  /// world as it was. The input is untrusted: names of missing things and non-finite numbers are
+  /// refused.
   std::vector<std::byte> snapshot() const;
   void restore(std::span<const std::byte> bytes);
   /// 64-bit hash over all poses and twists: equal bits, equal hash.
@@ -228,16 +228,17 @@ class TANDEM_API World {
   void insert_block(std::unique_ptr<ConstraintBlock> block);
   std::uint32_t checked_index(BodyId id, const char* what) const;
   std::uint32_t checked_dynamic(BodyId id, const char* what) const;
-  /// Of a dynamic body. @throws std::invalid_argument where the sum is not finite
+  /// Adds to the force on a dynamic body. @throws std::invalid_argument if the sum is not finite
   void add_wrench(std::uint32_t index, const Wrench& wrench, const char* what);
-  /// N s and N m s about the centre of mass, likewise.
+  /// N s and N m s about the centre of mass. @throws std::invalid_argument if the velocity is not
+  /// finite
   void add_impulse(std::uint32_t index, const Wrench& impulse, const char* what);
-  /// Who has not seen the body for a while looks at it again.
+  /// Tells readers of body_log() to look at the body again.
   void note(std::uint32_t index) { body_log_.note(index, states_.size()); }
   void wake_up(std::uint32_t index);
-  /// Wakes what rows hold to the body.
+  /// Wakes the bodies that rows join to the body.
   void wake_joined(std::uint32_t index);
-  /// What snapshot() wrote after its head. @return false where it cannot be a world's
+  /// Reads the rest of a snapshot after its head. @return false if it cannot be a world's
   bool read(ByteReader& in);
 
   Vec3 gravity_;
@@ -246,25 +247,25 @@ class TANDEM_API World {
   PropsTable props_;
   Slots slots_;
   std::map<std::uint64_t, std::uint32_t> by_stable_id_;  ///< slots
-  /// What order() shows, made when it is asked for; empty where no body has a stable id.
+  /// Data of order(), made on demand; empty if no body has a stable id.
   mutable std::vector<std::uint32_t> ranks_;
   mutable std::vector<std::uint32_t> slots_by_rank_;
   mutable bool order_is_old_ = false;
-  std::vector<Correction> corrections_;   ///< empty where no target was ever solved
-  std::vector<std::uint8_t> in_contact_;  ///< by slot, from the last step
-  std::vector<std::uint32_t> touching_;   ///< where in_contact_ is set; some may be there twice
+  std::vector<Correction> corrections_;         ///< empty if no target was ever solved
+  std::vector<std::uint8_t> in_contact_;        ///< by slot, from the last step
+  std::vector<std::uint32_t> touching_;         ///< slots set in in_contact_, with duplicates
   detail::SparseArray<BodyActivity> activity_;  ///< by slot
   std::uint64_t sleepers_moved_ = 0;
   ChangeCount placements_;
   BodyLog body_log_;
-  std::vector<Wrench> wrenches_;         ///< by slot, for the next step; empty where none acts
+  std::vector<Wrench> wrenches_;         ///< by slot, for the next step; empty if there are none
   KinematicTargets kinematic_targets_;   ///< for the next step
   std::vector<std::uint8_t> displaced_;  ///< by slot, before the next step; empty = none
   struct UserData {
-    std::uint32_t generation = 0;  ///< of the body that it belongs to
+    std::uint32_t generation = 0;  ///< generation of its body
     std::uint64_t value = 0;
   };
-  std::vector<UserData> user_data_;    ///< by slot; those behind its end are 0
+  std::vector<UserData> user_data_;    ///< by slot; slots beyond its end have 0
   std::vector<std::uint32_t> joined_;  ///< scratch of wake_joined()
   std::vector<std::unique_ptr<ConstraintBlock>> blocks_;
   detail::Borrowed<ContactBlock> contacts_;  ///< one of blocks_
