@@ -13,20 +13,20 @@ namespace tandem::collision {
 /// One part of a body made of several shapes.
 struct TANDEM_API CompoundPart {
   Shape shape = {};
-  pbd::Pose local = {};  ///< of the shape in the compound's frame
+  pbd::Pose local = {};  ///< pose of the shape in the compound's frame
   double density = 1e3;  ///< kg/m^3, > 0; read by mass_properties() only
 };
 
-/// Of all parts together, in the compound's frame; where parts overlap they count twice.
-/// @throws std::invalid_argument  as for a single shape, naming the part; where there is none; or
-///   where mass, centre or inertia of all parts together is not finite
+/// Mass properties of all parts together, in the compound's frame; overlapping parts count twice.
+/// @throws std::invalid_argument  as for a single shape, naming the part; if there is no part; or
+///   if the mass, centre or inertia of all parts together is not finite
 TANDEM_API MassProperties mass_properties(std::span<const CompoundPart> parts);
 
-/// Add the parts to a body as colliders that have everything but shape and place in common.
-/// @param def  what they share: body, material, filters; def.local places the compound's frame in
+/// Adds the parts to a body as colliders that share everything but shape and pose.
+/// @param def  the shared fields: body, material, filters; def.local places the compound's frame in
 ///   the body's, def.shape is not read
-/// @return one id for each part, in their order
-/// @throws std::invalid_argument  as CollisionScene::add(); nothing is then added
+/// @return one id per part, in their order
+/// @throws std::invalid_argument  as CollisionScene::add(); nothing is added then
 TANDEM_API std::vector<ColliderId> add_compound(CollisionScene& scene, const pbd::World& world,
                                                 const ColliderDef& def,
                                                 std::span<const CompoundPart> parts);

@@ -13,7 +13,7 @@
 
 namespace tandem::collision {
 
-/// Two colliders that touch, a the lower one. Where one was removed, its id is stale.
+/// Two touching colliders, a < b. The id of a removed collider is stale.
 struct TANDEM_API ContactPair {
   ColliderId a = {};
   ColliderId b = {};
@@ -23,16 +23,16 @@ struct TANDEM_API ContactPair {
   friend auto operator<=>(const ContactPair&, const ContactPair&) = default;
 };
 
-/// Two colliders that ran into each other.
+/// Two colliders that hit each other.
 struct TANDEM_API ContactHit {
   ContactPair pair = {};
   pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, world, from a to b
   double speed = 0.0;                     ///< m/s, > 0: approach along the normal
-  double impulse = 0.0;                   ///< N s, of all normals of the pair in the step
+  double impulse = 0.0;                   ///< N s, sum over all normals of the pair in the step
 };
 
-/// A sensor and what is in it.
+/// A sensor and a collider inside it.
 struct TANDEM_API SensorPair {
   ColliderId sensor = {};
   ColliderId visitor = {};
@@ -44,42 +44,42 @@ struct TANDEM_API SensorPair {
 
 struct TANDEM_API ContactEventOptions {
   double hit_speed = 1.0;  ///< m/s, > 0: slower approaches are no hits
-  /// m, >= 0: a pair that touched goes on touching while it is this near and the detector still
-  /// looks at it, so that what rests or rolls does not flicker.
+  /// m, >= 0, hysteresis: a touching pair keeps touching while it is this near and the detector
+  /// still reports it, so that resting and rolling bodies do not flicker.
   double release_gap = 1e-3;
 
-  /// Whether all fields are within their rules; if not, `error` names field, value and rule.
+  /// Whether all fields are valid; if not, `error` names field, value and rule.
   bool validate(std::string* error = nullptr) const;
 };
 
-/// What began, ended and hit in the last step. After each step:
+/// Contacts that began, ended or hit in the last step. After each step:
 ///
 ///     solver.step(world, dt);
 ///     events.update(world, scene);
 ///     for (const ContactHit& hit : events.hits()) play_sound(hit.point, hit.speed);
 ///
-/// A pair touches where a contact carried a load in the step or the surfaces meet. It begins once
-/// and ends once; one that bounces within a step begins in this update and ends in the next one.
-/// Removed colliders end their pairs.
+/// A pair touches if a contact carried a load in the step or the surfaces meet. It begins once and
+/// ends once; a pair that bounces within a step begins in this update and ends in the next one.
+/// Removing a collider ends its pairs.
 ///
-/// Sensors see colliders, not other sensors, that their filters meet, on other bodies, unless both
-/// bodies are static; the shapes themselves must share a point (see SceneQuery::overlap), where the
-/// bodies are after the step. Something that has passed through a sensor within the step begins
-/// and ends in one update: its way is taken as straight, and a jump by set_pose() is no way.
+/// A sensor reports colliders of other bodies that pass its filter, except other sensors and pairs
+/// of static bodies. The shapes must share a point (see SceneQuery::overlap) at the poses after the
+/// step. A collider that passed through a sensor within the step begins and ends in one update: its
+/// path is taken as straight, and set_pose() is not a path.
 ///
-/// All arrays are ascending by pair, made without allocation once their size is known, and valid
-/// until the next update(). A scene whose events nobody asks for pays nothing.
+/// All arrays are sorted by pair, made without allocation once their size is known, and valid until
+/// the next update(). Scenes without ContactEvents pay nothing.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API ContactEvents {
  public:
-  /// @throws std::invalid_argument where the options do not validate
+  /// @throws std::invalid_argument if the options are not valid
   explicit ContactEvents(const ContactEventOptions& options = {});
   ~ContactEvents();
   ContactEvents(ContactEvents&&) noexcept;
   ContactEvents& operator=(ContactEvents&&) noexcept;
 
-  /// Compare with the last update. The contacts are those of the world's last step where the scene
-  /// is its contact source. One object serves one scene.
+  /// Compares with the last update. Contacts are those of the world's last step, if the scene is
+  /// its contact source. One object serves one scene.
   void update(const pbd::World& world, const CollisionScene& scene);
 
   std::span<const ContactPair> begun() const;
@@ -89,12 +89,12 @@ class TANDEM_API ContactEvents {
   std::span<const ContactPair> touching() const;
   std::span<const SensorPair> sensor_begun() const;
   std::span<const SensorPair> sensor_ended() const;
-  /// All that is in sensors now.
+  /// All pairs of a sensor and a collider in it now.
   std::span<const SensorPair> in_sensors() const;
 
-  /// What the next update() compares with, for snapshots: beside World::snapshot().
+  /// Saves the state that the next update() compares with; complements World::snapshot().
   void save(pbd::ByteWriter& out) const;
-  /// Other bytes leave `in` failed and the events as after construction.
+  /// Invalid input leaves `in` failed and the events as after construction.
   void load(pbd::ByteReader& in);
 
  private:

@@ -30,135 +30,133 @@ struct TANDEM_API ColliderId {
 
 /// A shape on a body. A body may have any number of colliders; they do not touch each other.
 /// Contacts are taken in the order of bodies (pbd::BodyOrder), then in the order in which a body
-/// got its colliders: where motion must not depend on how a scene was built, give each body its own
-/// ones in a fixed order.
+/// got its colliders. If motion must not depend on how a scene was built, add the colliders of each
+/// body in a fixed order.
 struct TANDEM_API ColliderDef {
   pbd::BodyId body = {};
   Shape shape = {};
-  pbd::Pose local = {};  ///< of the shape in the body's frame
+  pbd::Pose local = {};  ///< pose of the shape in the body's frame
   Material material = {};
   Filter filter = {};
-  /// Makes no contacts: ContactEvents reports what passes through it.
+  /// Makes no contacts: ContactEvents reports colliders that pass through it.
   bool sensor = false;
-  /// Meets colliders of dynamic bodies that are not passive, and nothing else: of a copy of a body
-  /// whose other contacts are found where the body itself is.
+  /// Meets only colliders of dynamic bodies that are not passive. For copies of bodies whose other
+  /// contacts are found by the owner of the body.
   bool passive = false;
-  std::uint64_t user_data = 0;  ///< the application's own number: nothing here reads it
+  std::uint64_t user_data = 0;  ///< a number for the application; Tandem does not read it
 };
 
 /// How contacts are found. The defaults suit bodies from centimetres to tens of metres.
 struct TANDEM_API CollisionOptions {
-  /// m: gaps below this (plus what the motion of the step may close) are reported. For small
-  /// shapes it is capped at a quarter of the smaller one's least extent.
+  /// m: gaps below this, plus what the motion of the step may close, are reported. Capped at a
+  /// quarter of the smaller shape's least extent.
   double speculative_margin = 0.02;
-  /// A pair keeps its contacts (normal and anchors; only gaps change) until its parts have moved
-  /// against each other by this much, m; capped at a fiftieth of the least extent. The
-  /// normal turns with the body that owns the reference face, else with the body that does not
-  /// move, else with the second one. 0 switches recycling off.
+  /// m: a pair keeps its contacts (normal and anchors; only gaps are updated) until its parts have
+  /// moved against each other by this much; capped at a fiftieth of the least extent. The normal
+  /// turns with the body that owns the reference face, else with the body that does not move, else
+  /// with the second one. 0 switches recycling off.
   double recycle_distance = 0.005;
   double recycle_angle = 0.035;  ///< rad, 0 to 0.2
 
-  /// Whether all fields are within their rules; if not, `error` names field, value and rule.
+  /// Whether all fields are valid; if not, `error` names field, value and rule.
   bool validate(std::string* error = nullptr) const;
 };
 
-/// What the last collect() did.
+/// Statistics of the last collect().
 struct TANDEM_API CollisionStats {
   std::size_t colliders = 0;
-  std::size_t looked_at = 0;  ///< of those: what lies still on a static body is not
-  std::size_t searches = 0;   ///< boxes that were looked up among the others
-  std::size_t pairs = 0;      ///< whose fat boxes overlap
-  std::size_t queries = 0;    ///< asked of the narrow phase (one for each candidate triangle)
-  std::size_t recycled = 0;   ///< pairs that needed none
+  std::size_t looked_at = 0;  ///< colliders visited: resting ones on static bodies are skipped
+  std::size_t searches = 0;   ///< lookups of a box in the tree
+  std::size_t pairs = 0;      ///< pairs of overlapping fat boxes
+  std::size_t queries = 0;    ///< narrow-phase queries, one per candidate triangle
+  std::size_t recycled = 0;   ///< pairs whose contacts were kept, without a query
   std::size_t manifolds = 0;
   std::size_t points = 0;
 };
 
 /// Finds the contacts between the shapes of a world's bodies.
 ///
-/// Broad phase: a tree of fat boxes, changed only for colliders that left theirs. Narrow phase:
-/// one query of the collision library for each new contact gives direction and depth; the manifold
-/// is then clipped from the features that face each other. Pairs that hardly moved are not asked
-/// again. Manifolds come ordered by key: (lower collider, higher collider, cluster of a mesh);
-/// body_a is the lower collider's body. Two meshes, and two half-spaces, do not touch each other.
+/// Broad phase: a tree of fat boxes, updated only for colliders that left theirs. Narrow phase: one
+/// query of the collision library per new contact gives direction and depth; the manifold is then
+/// clipped from the features that face each other. Pairs that hardly moved are not queried again.
+/// Manifolds are ordered by key: (lower collider, higher collider, cluster of a mesh); body_a is
+/// the lower collider's body. Mesh pairs and half-space pairs do not touch.
 ///
-/// Limits: 2^26 colliders. Not moved by collect(): nothing here depends on addresses, so equal
-/// scenes give equal bytes.
+/// Limits: 2^26 colliders. Results do not depend on addresses, so equal scenes give equal bytes.
 /// @par Thread safety  Distinct scenes: safe. One scene: one thread at a time.
 class TANDEM_API CollisionScene : public pbd::ContactSource {
  public:
-  /// @throws std::invalid_argument where the options do not validate
+  /// @throws std::invalid_argument if the options are not valid
   explicit CollisionScene(const CollisionOptions& options = {});
   ~CollisionScene() override;
   CollisionScene(CollisionScene&&) noexcept;
   CollisionScene& operator=(CollisionScene&&) noexcept;
 
-  /// Make room for so many colliders in all, before a large scene is built.
+  /// Reserves memory for so many colliders in all, before a large scene is built.
   void reserve(std::size_t colliders);
   /// @throws std::invalid_argument  naming field, value and rule; the scene is then unchanged
   ColliderId add(const pbd::World& world, const ColliderDef& def);
-  /// @throws std::invalid_argument where the id names no collider
+  /// @throws std::invalid_argument if the id names no collider
   void remove(ColliderId id);
-  /// From the next step on.
-  /// @throws std::invalid_argument where the id names no collider or a value is not what it must be
+  /// Takes effect in the next step.
+  /// @throws std::invalid_argument if the id names no collider or a value is not valid
   void set_material(ColliderId id, const Material& material);
   void set_filter(ColliderId id, const Filter& filter);
   void set_user_data(ColliderId id, std::uint64_t value);
-  /// Two bodies touch each other no more, or again, from the next step on, whatever their filters
-  /// say; sensors and queries see both. Joints keep bodies apart by
-  /// pbd::SixDofJointDef::collide_connected. Part of snapshots and copies, until one of the two is
-  /// removed.
-  /// @throws std::invalid_argument where one is no body of the world, or both are the same
+  /// Disables or enables contacts between two bodies from the next step on, whatever their filters
+  /// are; sensors and queries are not affected. For jointed bodies use
+  /// pbd::SixDofJointDef::collide_connected. Saved in snapshots and copies, until one of the bodies
+  /// is removed.
+  /// @throws std::invalid_argument if one is no body of the world, or both are the same
   void set_apart(const pbd::World& world, pbd::BodyId a, pbd::BodyId b, bool apart = true);
-  /// Whether set_apart() said so.
+  /// Whether set_apart() disabled contacts between the two bodies.
   bool is_apart(pbd::BodyId a, pbd::BodyId b) const;
-  /// All of them by slot, ascending.
+  /// All pairs set apart, by slot, ascending.
   std::vector<pbd::BodyPair> apart() const;
   bool contains(ColliderId id) const;
-  /// The reference is good until the next add(), remove(), load() or assign().
-  /// @throws std::invalid_argument where the id names no collider
+  /// The reference is valid until the next add(), remove(), load() or assign().
+  /// @throws std::invalid_argument if the id names no collider
   const ColliderDef& collider(ColliderId id) const;
   /// The collider in slot `index`, or an invalid id; indices are below slot_count().
   ColliderId collider_at(std::uint32_t index) const;
   std::uint32_t slot_count() const;
   std::size_t sensor_count() const;
-  /// A Filter::group, below 0, that no collider has and that was not given before: those who get it
-  /// do not meet each other. Looks at all colliders. What is given to a copy is not known here.
-  /// @throws std::invalid_argument once all of them are given, or in use
+  /// A new Filter::group < 0, whose colliders do not meet each other: used by no collider and not
+  /// returned before. Looks at all colliders. Groups given out by a copy are not known here.
+  /// @throws std::invalid_argument if all groups are given out or in use
   std::int32_t new_group();
-  /// Another number than before where a collider may have come or gone, or meets others.
+  /// Changes whenever a collider may have been added, removed or filtered differently.
   std::uint64_t changes() const;
 
   const CollisionOptions& options() const;
-  /// Of the last collect().
+  /// Statistics of the last collect().
   const CollisionStats& stats() const;
 
   void collect(const pbd::World& world, double dt, pbd::Workers& workers,
                std::vector<pbd::Manifold>& out) override;
-  /// Not for a class that is derived from this one.
+  /// False in derived classes.
   bool repeats() const override;
-  /// The last word against tunnelling: bodies that would get through something, whatever the
-  /// contacts did. Of each collider whose middle moved further than a quarter of its least extent
-  /// the inside, what is left without a layer as thick as that, is swept along its way, turning
-  /// included; immovable colliders stop it. Where far points moved further by turning than it is
-  /// thick, or its body is a bullet, moving ones stop it as well. It is left where the surfaces
-  /// meet, and the contact of the next step does the rest. Spheres, slow bodies near thin walls,
-  /// bodies that rows hold to other movable ones, and all that meets a mesh, height field or
-  /// half-space have the ball in their middle cast instead. Where the step began is where the last
-  /// collect() saw the bodies.
-  /// @param after   poses at the end of the step, by body slot; those of static bodies are not read
-  /// @param limits  set to the bodies that have to stop on the way, ascending, each once
-  /// Allocates only where `limits` or scratch grow.
+  /// The final CCD clamp: stops bodies that would tunnel, whatever the contacts did. If the middle
+  /// of a collider moved further than a quarter of its least extent, its core (the shape without a
+  /// layer of that thickness) is swept along its path, rotation included, and stopped by immovable
+  /// colliders. If far points turned further than its thickness, or its body is a bullet, moving
+  /// colliders stop it too. The body stays where the surfaces meet, for the contact of the next
+  /// step. Instead of the core, a ball in the middle is cast for spheres, slow bodies near thin
+  /// walls, bodies that rows join to other movable ones, and against meshes, height fields and
+  /// half-spaces. Paths start at the poses of the last collect().
+  /// @param after   poses at the end of the step, by body slot; not read for static bodies
+  /// @param limits  set to the bodies that must stop on the way, ascending, each once
+  /// Allocates only if `limits` or scratch grow.
   void limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
                     pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits) override;
 
   /// Removes the body's colliders.
   void remove_body(pbd::BodyId body) override;
   void save(pbd::ByteWriter& out) const override;
-  /// Wants a scene with the same colliders; other bytes leave `in` failed and the caches empty.
+  /// Needs a scene with the same colliders; otherwise `in` fails and the caches are empty.
   void load(pbd::ByteReader& in) override;
   bool fits(const pbd::World& world) const override;
-  /// Null for a class that is derived from this one: it has to say itself how it is copied.
+  /// Null in derived classes, which must define themselves how they are copied.
   std::unique_ptr<pbd::ContactSource> make_empty() const override;
   /// Meshes, hulls and height fields are shared.
   bool assign(const pbd::ContactSource& source) override;

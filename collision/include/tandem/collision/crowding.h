@@ -10,9 +10,9 @@
 
 namespace tandem::collision {
 
-/// Whether more than `most` pairs of colliders that may meet have boxes that meet, as bodies stand
-/// now: what the next step would look at, found without a step and in time that `most` bounds. For
-/// scenes of strangers. Half-spaces are left out, which meet each body once.
+/// Whether the boxes of more than `most` pairs of colliders that may meet overlap at the current
+/// poses, a bound on the work of the next step. Its own time is bounded by `most`. For scenes from
+/// untrusted sources. Half-spaces, which meet each body once, are left out.
 TANDEM_API bool is_crowded(const CollisionScene& scene, const pbd::World& world, std::size_t most);
 
 }  // namespace tandem::collision

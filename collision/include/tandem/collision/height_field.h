@@ -15,9 +15,9 @@
 
 namespace tandem::collision {
 
-/// Heights on a regular grid: a surface of triangles, solid below, that stores heights only.
-/// Vertex (i, j) stands at (i * spacing_x, j * spacing_y, height); each cell is cut from its lower
-/// to its upper corner, into triangles (a, b, d) and (a, d, c) with a = (i, j), b = (i + 1, j),
+/// Heights on a regular grid: a surface of triangles, solid below, that stores heights only. Vertex
+/// (i, j) is at (i * spacing_x, j * spacing_y, height). The diagonal of a cell runs from its lower
+/// to its upper corner and gives triangles (a, b, d) and (a, d, c) with a = (i, j), b = (i + 1, j),
 /// c = (i, j + 1), d = (i + 1, j + 1). Contacts are those of the TriangleMesh of these triangles.
 /// Immutable once made, and shared.
 /// @par Thread safety  Safe, all methods are const.
@@ -40,7 +40,7 @@ class TANDEM_API HeightField {
   std::uint32_t vertex_count() const { return columns_ * rows_; }
   std::uint32_t triangle_count() const { return 2 * (columns_ - 1) * (rows_ - 1); }
 
-  // As for TriangleMesh.
+  // Mesh interface, see TriangleMesh.
   pbd::Vec3 vertex(std::uint32_t v) const {
     const std::uint32_t row = v / columns_;
     return {spacing_x_ * (v % columns_), spacing_y_ * row, heights_[v]};
@@ -58,19 +58,19 @@ class TANDEM_API HeightField {
   };
   Ring ring(std::uint32_t vertex) const;
   const Aabb& bounds() const { return bounds_; }
-  /// Append to `out`, ascending, the triangles whose bounds meet `box`.
+  /// Appends to `out`, ascending, the triangles whose bounds meet `box`.
   void query(const Aabb& box, std::vector<std::uint32_t>& out) const;
-  /// Call visit(triangle) for those of cells whose boxes have a finite rank(box), as
-  /// TriangleMesh::walk.
+  /// Calls visit(triangle) for the triangles of cells whose boxes have a finite rank(box), as
+  /// TriangleMesh::walk().
   template <class Rank, class Visit>
   void walk(Rank&& rank, Visit&& visit) const;
 
  private:
-  /// Cells from (i0, j0) to before (i1, j1).
+  /// Cells from (i0, j0) up to, not including, (i1, j1).
   struct Block {
     std::uint32_t i0 = 0, i1 = 0, j0 = 0, j1 = 0;
   };
-  /// Of one cell exact, of a larger block as high as the whole field.
+  /// Exact bounds of one cell; a larger block gets the height range of the whole field.
   Aabb block_box(const Block& block) const;
 
   HeightField() = default;

@@ -15,8 +15,8 @@
 
 namespace tandem::collision {
 
-/// Names for the categories of filters. All layers meet each other, and their like, until it is
-/// said otherwise; a filter is what was said until it was asked for.
+/// Names for the categories of filters. All layers meet each other and themselves unless ignore()
+/// is called. A filter reflects the calls up to the moment it was made.
 ///
 ///     collision::Layers layers{"room", "players", "debris"};
 ///     layers.ignore("debris", "debris");
@@ -27,13 +27,13 @@ class TANDEM_API Layers {
  public:
   static constexpr std::size_t kMax = 32;
 
-  /// @throws std::invalid_argument for no name, an empty one, one twice, or more than kMax
+  /// @throws std::invalid_argument for no name, an empty one, duplicates, or more than kMax
   Layers(std::initializer_list<std::string_view> names);
 
-  /// Colliders of the one do not meet those of the other; both may be one layer.
-  /// @throws std::invalid_argument naming what is no layer, and those that are
+  /// Colliders of layer a do not meet those of layer b; a may be b.
+  /// @throws std::invalid_argument naming the unknown layer and the known ones
   void ignore(std::string_view a, std::string_view b);
-  /// What a collider in the layer is given. @throws as ignore()
+  /// The filter for a collider in the layer. @throws as ignore()
   Filter operator[](std::string_view name) const;
 
  private:

@@ -9,8 +9,8 @@
 
 namespace tandem::collision {
 
-/// How the values of two colliders become that of their contact. Of two rules the later one in
-/// this list counts; `Default` gives way to every other one.
+/// How the values of two colliders combine in their contact. If two rules differ, the later one in
+/// this list applies; `Default` yields to every other rule.
 enum class Combine : std::uint8_t {
   Default,        ///< friction: GeometricMean; restitution: Maximum
   GeometricMean,  ///< sqrt(a b)
@@ -20,14 +20,14 @@ enum class Combine : std::uint8_t {
   Maximum,
 };
 
-/// What a collider's surface is like.
+/// Surface properties of a collider.
 struct TANDEM_API Material {
   double friction = 0.5;     ///< Coulomb, >= 0
   double restitution = 0.0;  ///< 0 to 1
   Combine friction_rule = Combine::Default;
   Combine restitution_rule = Combine::Default;
 
-  /// Whether all fields are within their rules; if not, `error` names field, value and rule.
+  /// Whether all fields are valid; if not, `error` names field, value and rule.
   bool validate(std::string* error = nullptr) const;
 };
 
@@ -36,14 +36,14 @@ TANDEM_API double combined_friction(const Material& a, const Material& b);
 /// Restitution of the contact between two materials, 0 to 1.
 TANDEM_API double combined_restitution(const Material& a, const Material& b);
 
-/// Who meets whom. Equal groups other than 0 decide alone, else category and mask do.
+/// Which colliders meet. Equal groups other than 0 decide alone, else category and mask do.
 struct TANDEM_API Filter {
-  std::uint32_t category = 1;  ///< what the collider is, as bits
-  std::uint32_t mask = ~0u;    ///< which categories it meets
+  std::uint32_t category = 1;  ///< categories of the collider, as bits
+  std::uint32_t mask = ~0u;    ///< categories that it meets, as bits
   std::int32_t group = 0;      ///< equal and > 0: always meet; equal and < 0: never; 0: no group
 };
 
-/// Whether the two meet; the same either way round.
+/// Whether two filters let their colliders meet; symmetric.
 inline bool may_meet(const Filter& a, const Filter& b) {
   if (a.group == b.group && a.group != 0) return a.group > 0;
   return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;

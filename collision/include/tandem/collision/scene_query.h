@@ -16,12 +16,12 @@ namespace tandem::collision {
 
 /// Which colliders a query sees.
 struct TANDEM_API QueryFilter {
-  /// The query's own; the default meets whatever has any bit in its mask.
+  /// The query's own filter; by default it meets every collider whose mask is not 0.
   Filter filter{.category = ~0u};
-  pbd::BodyId ignore_body = {};  ///< all its colliders are left out
-  bool sensors = false;          ///< sensors too
-  bool back_faces = false;       ///< rays and casts also stop at the backs of triangles
-  /// Where set, the last word; called for candidates only, in no particular order.
+  pbd::BodyId ignore_body = {};  ///< all colliders of this body are skipped
+  bool sensors = false;          ///< include sensors
+  bool back_faces = false;       ///< rays and casts also hit the backs of triangles
+  /// Final decision, if set; called for candidates only, in unspecified order.
   std::function<bool(ColliderId)> accept = {};
 };
 
@@ -36,19 +36,19 @@ struct TANDEM_API RayHit {
   pbd::BodyId body = {};
   pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the collider
-  double distance = 0.0;                  ///< m; 0 where the ray starts in a solid
-  double fraction = 0.0;                  ///< of max_distance
-  /// Of a mesh; else TriangleMesh::kNone.
+  double distance = 0.0;                  ///< m; 0 if the ray starts inside a solid
+  double fraction = 0.0;                  ///< fraction of max_distance
+  /// Triangle index in a mesh; else TriangleMesh::kNone.
   std::uint32_t triangle = TriangleMesh::kNone;
 };
 
 struct TANDEM_API CastHit {
   ColliderId collider = {};
   pbd::BodyId body = {};
-  pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world, where they meet
+  pbd::Vec3 point = pbd::Vec3::Zero();    ///< m, world, where the surfaces meet
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the collider
-  double fraction = 0.0;                  ///< of the displacement; 0 where they overlap at once
-  double depth = 0.0;                     ///< m, of that overlap along `normal`
+  double fraction = 0.0;                  ///< of the displacement; 0 if they overlap at the start
+  double depth = 0.0;                     ///< m, depth of that overlap along `normal`
   std::uint32_t triangle = TriangleMesh::kNone;
 };
 
@@ -69,16 +69,16 @@ struct TANDEM_API ClosestHit {
 ///     auto hit = query.ray_cast({.origin = eye, .direction = forward});
 ///
 /// Queries see the poses of the last update() and change nothing: a simulation runs the same with
-/// and without them. It has a tree of its own, in which update() touches only colliders that left
-/// their boxes, so that a scene that asks nothing pays nothing.
+/// and without them. The query has its own tree, in which update() touches only colliders that left
+/// their boxes.
 ///
-/// Shapes to ask with are convex: no half-space, no mesh. Solids (convex shapes, half-spaces)
-/// are met from inside too, at distance 0 with the shortest way out as normal; meshes are surfaces
-/// whose fronts stop rays and casts (see QueryFilter::back_faces), except that overlap() counts
-/// the inside of closed ones. Of hits at equal distance the lower collider comes first.
+/// Query shapes are convex: no half-space, no mesh. Solids (convex shapes, half-spaces) are hit
+/// from inside too, at distance 0 with the shortest way out as normal. Meshes are surfaces whose
+/// fronts stop rays and casts (see QueryFilter::back_faces), but overlap() counts the inside of
+/// closed ones. Among hits at equal distance the lower collider comes first.
 ///
-/// Errors: std::invalid_argument naming field, value and rule. Memory: allocates in update() where
-/// the scene has grown, and in the caller's vectors.
+/// Errors: std::invalid_argument naming field, value and rule. Memory: allocates in update() if the
+/// scene has grown, and in the caller's vectors.
 /// @par Thread safety  Const methods are safe against each other; update() is not.
 class TANDEM_API SceneQuery {
  public:
@@ -88,17 +88,17 @@ class TANDEM_API SceneQuery {
   SceneQuery(SceneQuery&&) noexcept;
   SceneQuery& operator=(SceneQuery&&) noexcept;
 
-  /// Take over the poses and colliders as they are now. One object serves one scene.
+  /// Takes the current poses and colliders. One object serves one scene.
   void update(const pbd::World& world, const CollisionScene& scene);
 
   /// The first hit.
   std::optional<RayHit> ray_cast(const Ray& ray, const QueryFilter& filter = {}) const;
-  /// Whether there is one; stops at the first it finds.
+  /// Whether the ray hits anything; stops at the first hit found.
   bool ray_blocked(const Ray& ray, const QueryFilter& filter = {}) const;
   /// Append the first hit of each collider, by distance.
   void ray_cast_all(const Ray& ray, std::vector<RayHit>& out, const QueryFilter& filter = {}) const;
 
-  /// The shape moves from `start` by `displacement` (m) without turning.
+  /// First hit of the shape moving from `start` by `displacement` (m) without turning.
   std::optional<CastHit> shape_cast(const Shape& shape, const pbd::Pose& start,
                                     const pbd::Vec3& displacement,
                                     const QueryFilter& filter = {}) const;
@@ -106,21 +106,21 @@ class TANDEM_API SceneQuery {
   void shape_cast_all(const Shape& shape, const pbd::Pose& start, const pbd::Vec3& displacement,
                       std::vector<CastHit>& out, const QueryFilter& filter = {}) const;
 
-  /// Whether anything shares a point with the shape.
+  /// Whether any collider shares a point with the shape.
   bool overlaps(const Shape& shape, const pbd::Pose& pose, const QueryFilter& filter = {}) const;
-  /// Append all that do, ascending.
+  /// Appends all colliders that share a point with the shape, ascending.
   void overlap(const Shape& shape, const pbd::Pose& pose, std::vector<ColliderId>& out,
                const QueryFilter& filter = {}) const;
 
-  /// The nearest place within `max_distance` (m, >= 0).
+  /// The nearest point within `max_distance` (m, >= 0).
   std::optional<ClosestHit> closest(const Shape& shape, const pbd::Pose& pose, double max_distance,
                                     const QueryFilter& filter = {}) const;
   std::optional<ClosestHit> closest(const pbd::Vec3& point, double max_distance,
                                     const QueryFilter& filter = {}) const;
-  /// Append the nearest place of each collider within `max_distance`, by distance.
+  /// Appends the nearest point of each collider within `max_distance`, by distance.
   void closest_all(const Shape& shape, const pbd::Pose& pose, double max_distance,
                    std::vector<ClosestHit>& out, const QueryFilter& filter = {}) const;
-  /// On one collider, whatever the filters say.
+  /// The nearest point on one collider, whatever the filters are.
   std::optional<ClosestHit> closest_on(ColliderId collider, const Shape& shape,
                                        const pbd::Pose& pose, double max_distance) const;
   std::optional<ClosestHit> closest_on(ColliderId collider, const pbd::Vec3& point,

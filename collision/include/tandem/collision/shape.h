@@ -21,7 +21,7 @@ struct TANDEM_API Sphere {
   double radius = 0.5;  ///< m, > 0
 };
 
-/// Box about the origin, edges along the axes: Box{0.5, 0.5, 1.0}, halves of the edges.
+/// Box about the origin, edges along the axes, from half edges: Box{0.5, 0.5, 1.0}.
 struct TANDEM_API Box {
   Box() = default;
   explicit Box(const pbd::Vec3& half) : half_extents(half) {}
@@ -35,19 +35,19 @@ struct TANDEM_API Capsule {
   double half_height = 0.5;  ///< m, > 0; half the length of the segment, caps not included
 };
 
-/// Round about z, from (0, 0, -half_height) to (0, 0, half_height).
+/// Axis along z, from (0, 0, -half_height) to (0, 0, half_height).
 struct TANDEM_API Cylinder {
   double radius = 0.5;       ///< m, > 0
   double half_height = 0.5;  ///< m, > 0
 };
 
-/// Round about z: base of the given radius at (0, 0, -half_height), apex at (0, 0, half_height).
+/// Axis along z: base of the given radius at (0, 0, -half_height), apex at (0, 0, half_height).
 struct TANDEM_API Cone {
   double radius = 0.5;       ///< m, > 0
   double half_height = 0.5;  ///< m, > 0; the centre of mass lies half of it below the origin
 };
 
-/// Everything behind a plane: a point x is inside where normal . x <= offset.
+/// The solid behind a plane: a point x is inside if normal . x <= offset.
 struct TANDEM_API HalfSpace {
   pbd::Vec3 normal = pbd::Vec3::UnitZ();  ///< unit, out of the solid
   double offset = 0.0;                    ///< m
@@ -60,10 +60,10 @@ using Field = std::shared_ptr<const HeightField>;
 
 using Shape = std::variant<Sphere, Capsule, Box, HalfSpace, Mesh, Cylinder, Cone, Hull, Field>;
 
-/// Whether the shape is within the rules above; if not, `error` names field, value and rule.
+/// Whether the shape is valid; if not, `error` names field, value and rule.
 TANDEM_API bool validate(const Shape& shape, std::string* error = nullptr);
 
-/// What a body made of the shape weighs.
+/// Mass properties of a body of the given shape.
 struct TANDEM_API MassProperties {
   double mass = 0.0;                      ///< kg
   pbd::Vec3 com = pbd::Vec3::Zero();      ///< m, centre of mass in the shape's frame
@@ -71,9 +71,9 @@ struct TANDEM_API MassProperties {
 };
 
 /// @param density  kg/m^3, > 0
-/// @throws std::invalid_argument  where the shape does not validate, the density is not positive or
-///   gives no finite mass and inertia, or the shape has no finite volume (half-space, height field,
-///   mesh with a border or turned inside out)
+/// @throws std::invalid_argument  if the shape is not valid, the density is not positive or gives
+///   no finite mass and inertia, or the shape has no finite volume (half-space, height field, mesh
+///   with a border or turned inside out)
 TANDEM_API MassProperties mass_properties(const Shape& shape, double density);
 
 }  // namespace tandem::collision

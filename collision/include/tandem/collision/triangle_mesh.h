@@ -22,7 +22,7 @@ struct TANDEM_API Aabb {
   pbd::Vec3 max = pbd::Vec3::Zero();  ///< m
 
   bool overlaps(const Aabb& other) const {
-    // Axis by axis: most boxes are apart along the first one.
+    // Early exit: most boxes are apart along x.
     return min.x() <= other.max.x() && other.min.x() <= max.x() && min.y() <= other.max.y() &&
            other.min.y() <= max.y() && min.z() <= other.max.z() && other.min.z() <= max.z();
   }
@@ -42,24 +42,24 @@ struct TANDEM_API Aabb {
   }
 };
 
-/// A surface of triangles, solid behind it: the front of a triangle is the side from which its
-/// corners run counter-clockwise, and only fronts make contacts. Need not be closed. Corners at
-/// equal positions count as one, so that neighbours are known whatever the indexing.
-/// Immutable once made, and shared: many colliders may use one mesh.
+/// A surface of triangles, solid behind it. The front of a triangle is the side from which its
+/// corners run counter-clockwise; only fronts make contacts. The mesh need not be closed. Corners
+/// at equal positions are welded, so that neighbours are known whatever the indexing. Immutable
+/// once made, and shared by many colliders.
 /// @par Thread safety  Safe, all methods are const.
 class TANDEM_API TriangleMesh {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  /// Whether make() takes a triangle for one: 1e-9 of its longest edge high, and finite.
+  /// Whether make() accepts a triangle: finite, and at least 1e-9 of its longest edge high.
   static bool has_area(const pbd::Vec3& a, const pbd::Vec3& b, const pbd::Vec3& c);
 
-  /// Checks and prepares: welds equal corners, finds the neighbours, builds the search tree.
+  /// Validates the input, welds equal corners, finds neighbours and builds the search tree.
   /// @param vertices  m, in the mesh frame     @param triangles  indices into `vertices`
-  /// @throws std::invalid_argument  naming the vertex or triangle: a coordinate that is not
-  ///   finite, an index out of range, a triangle without area, no triangle at all, or an edge
-  ///   with more than one triangle on the same side
+  /// @throws std::invalid_argument  naming the vertex or triangle: a coordinate is not finite, an
+  ///   index is out of range, a triangle has no area, there is no triangle, or an edge has more
+  ///   than one triangle on the same side
   static std::shared_ptr<const TriangleMesh> make(std::span<const pbd::Vec3> vertices,
                                                   std::span<const Triangle> triangles);
 
@@ -71,27 +71,27 @@ class TANDEM_API TriangleMesh {
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(vertices_.size()); }
   /// Unit normal of the front.
   const pbd::Vec3& normal(std::uint32_t triangle) const { return normals_[triangle]; }
-  /// The triangle across edge k (from corner k to corner k + 1), or kNone at a border. Where
-  /// borders run along each other but have other corners (T-junctions): the one that shares most of
-  /// the edge.
+  /// The triangle across edge k (from corner k to corner k + 1), or kNone at a border. At
+  /// T-junctions, where borders run along each other with different corners: the one that shares
+  /// most of the edge.
   std::uint32_t neighbour(std::uint32_t triangle, int k) const { return neighbours_[triangle][k]; }
-  /// Number of edge k, the same from both sides.
+  /// Index of edge k, the same from both sides.
   std::uint32_t edge_id(std::uint32_t triangle, int k) const { return edge_ids_[triangle][k]; }
   /// Corners that share an edge with corner `vertex`, or a triangle whose border it lies on.
   std::span<const std::uint32_t> ring(std::uint32_t vertex) const {
     return std::span(ring_).subspan(ring_start_[vertex],
                                     ring_start_[vertex + 1] - ring_start_[vertex]);
   }
-  /// No border: it has an inside, a volume and so a mass.
+  /// Whether it has no border: it then has an inside, a volume and so a mass.
   bool closed() const { return closed_; }
   const Aabb& bounds() const { return bounds_; }
 
-  /// Append to `out`, ascending, the triangles whose bounds meet `box` (mesh frame).
+  /// Appends to `out`, ascending, the triangles whose bounds meet `box` (mesh frame).
   void query(const Aabb& box, std::vector<std::uint32_t>& out) const;
 
-  /// Call visit(triangle) for those in leaves of the search tree whose boxes (mesh frame) have a
-  /// finite rank(box), lower ranks first where that is known; the rank may change on the way.
-  /// Allocates nothing.
+  /// Calls visit(triangle) for the triangles in leaves of the search tree whose boxes (mesh frame)
+  /// have a finite rank(box), lower ranks first where they are known. The rank may change during
+  /// the walk. Allocates nothing.
   template <class Rank, class Visit>
   void walk(Rank&& rank, Visit&& visit) const;
 
@@ -104,11 +104,11 @@ class TANDEM_API TriangleMesh {
 
   TriangleMesh() = default;
   void weld(std::span<const pbd::Vec3> vertices, std::span<const Triangle> triangles);
-  /// A corner, and another one in its ring.
+  /// A corner and another corner in its ring.
   using Link = std::array<std::uint32_t, 2>;
   std::vector<Link> find_neighbours();
   void build_tree();
-  /// Makes neighbours of triangles whose borders run along each other but have other corners.
+  /// Makes triangles neighbours if their borders run along each other with different corners.
   void join_borders(std::vector<Link>& links);
   std::optional<std::array<double, 2>> common_border(std::uint32_t triangle, int k,
                                                      std::uint32_t other, int j) const;
