@@ -25,7 +25,7 @@ void load_body(const BodyState& state, const BodyProps& props, SolverBody& body)
   body.v = state.twist.linear;
   body.w = state.twist.angular;
   body.inv_mass = props.inverse_mass;
-  // What cannot be moved goes its way from the beginning; of the others each substep says.
+  // All motion of an immovable body counts as applied; for the others each substep sets this.
   body.v_applied = body.inv_mass > 0.0 ? Vec3(Vec3::Zero()) : body.v;
   body.w_applied = body.inv_mass > 0.0 ? Vec3(Vec3::Zero()) : body.w;
   body.gravity_scale = body.inv_mass > 0.0 ? props.gravity_scale : 0.0;
@@ -64,7 +64,7 @@ bool BodyBuffer::rest(const World& world, double dt) const {
     return false;
   if (world.target_source_ != nullptr || world.island_coupling_ != nullptr) return false;
   if (world.contact_source_ != nullptr && !world.contact_source_->repeats()) return false;
-  // Rows of other kinds change without the world's knowing.
+  // Rows of other kinds may change without notice to the world.
   return std::all_of(world.blocks_.begin(), world.blocks_.end(), [&](const auto& block) {
     return block.get() == world.contacts_ || block->empty();
   });
@@ -75,7 +75,7 @@ void BodyBuffer::note_rest(World& world, double dt, bool still, bool may_rest) {
       still && may_rest && world.body_log_.is_quiet(rest_.since) && world.target_source_ == nullptr;
   rest_.steps = quiet ? rest_.steps + 1 : 0;
   rest_.dt = dt;
-  // Whoever has seen the world rest, another solver maybe, sees that it does so no more.
+  // Tells everyone who has seen the world at rest, other solvers too, that this has ended.
   if (!still) world.body_log_.stir();
   world.body_log_.read(rest_.since, [](std::uint32_t) {});
 }
@@ -180,7 +180,7 @@ void BodyBuffer::renew_inertia(std::uint32_t slot, const BodyProps& props) {
   keep_inertia(slot);
 }
 
-/// Rows give a torque, but for contacts without friction whose force goes through the centre.
+/// Rows exert torques, except frictionless contacts whose force passes through the centre.
 void BodyBuffer::mark_turned(const World& world, std::span<const ConstraintEdge> edges) {
   for (const ConstraintEdge& edge : edges) {
     if (edge.body_a != BodyId::kNone) bodies_[edge.body_a].turns = true;
@@ -204,7 +204,7 @@ void BodyBuffer::mark_turned(const World& world, std::span<const ConstraintEdge>
 void BodyBuffer::move_kinematic(double h) {
   for (const std::uint32_t i : kinematic_) {
     SolverBody& body = bodies_[i];
-    // What stands may be in any group, and stays bit for bit.
+    // Bodies at rest may be in any group; their bits stay.
     if (body.v.isZero(0.0) && body.w.isZero(0.0)) continue;
     body.x += h * body.v;
     body.q = rotated(body.q, h * body.w);
@@ -239,7 +239,7 @@ void BodyBuffer::store(World& world, double dt, std::span<const Group> groups, W
   store_kinematic(world, dt, report);
   world.placements_.note();
   if (world.contacts_ != nullptr) mark_contacts(world);
-  // What is no number may have come to what cannot move as well.
+  // Immovable bodies may have become non-finite too.
   if (report.status != StepStatus::Ok) seen_ = {};
 }
 

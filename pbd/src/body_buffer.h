@@ -17,37 +17,37 @@
 
 namespace tandem::pbd {
 
-/// The world's bodies as the pass sees them, by slot, for one step.
+/// The world's bodies as the solver sees them, by slot, for one step.
 class BodyBuffer {
  public:
-  /// Kinematic bodies with a target get the velocity that takes them there, in the world: whoever
-  /// looks for contacts has to see it.
+  /// Sets the twist of kinematic bodies with a target so that they reach it. Written to the world,
+  /// because contact detection needs it.
   static void aim_kinematic(World& world, double dt);
-  /// Whether a step has nothing to do but to count time: all that it would look at rests as in
-  /// the last ones, which found nothing either. What rests is found once more as it was and then
-  /// repeats itself, the contacts of both bits for bits.
+  /// Whether a step only has to advance the time: everything it reads rests as in the last steps,
+  /// which did nothing either. A body that comes to rest is solved once more; after that contacts
+  /// repeat bit for bit.
   bool rest(const World& world, double dt) const;
-  /// After a step.
-  /// @param still  nobody was awake or moved     @param may_rest  nor anything else was done
+  /// Update after a step.
+  /// @param still  no body was awake or moved     @param may_rest  and nothing else was done
   void note_rest(World& world, double dt, bool still, bool may_rest);
-  /// The next step is a whole one.
+  /// Makes the next step a full one.
   void end_rest() { rest_.steps = 0; }
-  /// Movers anew in each step; of the rest what was here and has changed.
+  /// Loads movers in each step, other bodies only if they were loaded before and have changed.
   void load(World& world, Workers& workers);
-  // What does not move is here from the first step on in which something names it.
+  // Immovable bodies are loaded in the first step in which something names them.
   void load_named(const World& world, const ConstraintEdges& edges);
   void load_named(const World& world, std::span<const PoseTarget> targets);
-  /// Bodies that may move, ascending; all of them where islands go on in other worlds.
+  /// Bodies that may move, ascending; every slot if there is an island coupling.
   std::span<const std::uint32_t> movers() const { return movers_; }
-  /// Which bodies have joints, and which ones rows that are solved later may move.
+  /// Marks bodies with joints, and bodies that later rows may move.
   void mark_joined(const ConstraintEdges& edges);
-  /// Once it is known who is awake, joined and targeted: inertia of those that may turn.
+  /// Computes the inertia of bodies that may turn, once awake, jointed and target bodies are known.
   /// @param edges  of all rows but contacts
-  /// @return how many those are
+  /// @return the number of bodies that may turn
   int prepare(const World& world, std::span<const ConstraintEdge> edges,
               std::span<const Group> groups, Workers& workers);
-  /// Inertia turns with what joints turn, within a substep. Contacts are solved with that of the
-  /// pose that their rows were made for: where they moved a forearm by another one, sweeps grew
+  /// Keeps the inertias of bodies that joints turn within a substep. Contacts are solved with the
+  /// inertia of the pose that their rows were made for: with another one for a forearm, sweeps grew
   /// without bound.
   void keep_inertias();
   void keep_inertia(std::uint32_t slot) {
@@ -56,29 +56,29 @@ class BodyBuffer {
   void restore_inertia(std::uint32_t slot) {
     bodies_[slot].inv_inertia_w = inertias_[slot].inverse;
   }
-  /// Of a body that joints have turned: where it stands so far from the pose of its kept inertia
-  /// that an impulse which takes energy by that one may add energy by its own, its rows are to be
-  /// made anew.
+  /// Renews the inertia of a body that joints have turned. If its pose is so far from that of the
+  /// kept inertia that an impulse which removes energy by the kept one may add energy by its own,
+  /// its rows must be made again.
   void renew_inertia(std::uint32_t slot, const BodyProps& props);
   std::span<SolverBody> all() { return bodies_; }
   SolverBody& operator[](std::size_t slot) { return bodies_[slot]; }
   std::size_t size() const { return bodies_.size(); }
 
-  /// Whether a kinematic body is on its way.
+  /// Whether a kinematic body moves.
   bool any_moving() const {
     return std::any_of(kinematic_.begin(), kinematic_.end(), [&](std::uint32_t i) {
       return !bodies_[i].v.isZero(0.0) || !bodies_[i].w.isZero(0.0);
     });
   }
   void move_kinematic(double h);
-  /// Back to where the step began: each group that they touch sees them move.
+  /// Resets them to the start of the step, as each group that they touch must see them move.
   void rewind_kinematic(std::span<const BodyState> states);
 
-  /// Back into the world. A body that became NaN or infinite stays where the step began, at
-  /// rest, and is named in the report.
+  /// Writes the bodies back to the world. A body that became NaN or infinite stays where the step
+  /// began, at rest, and is named in the report.
   void store(World& world, double dt, std::span<const Group> groups, Workers& workers,
              StepReport& report);
-  /// Call visit(slot, body) for all that may move, shared out among workers.
+  /// Calls visit(slot, body) for all bodies that may move, divided among workers.
   void for_movers(Workers& workers, auto&& visit) {
     workers.for_chunks(movers_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end, int) {
       for (std::size_t k = begin; k < end; ++k) visit(movers_[k], bodies_[movers_[k]]);
@@ -86,7 +86,7 @@ class BodyBuffer {
   }
 
  private:
-  /// Bodies given to a worker at a time.
+  /// Bodies per chunk of a worker.
   static constexpr std::size_t kBodyGrain = 256;
 
   void mark_turned(const World& world, std::span<const ConstraintEdge> edges);
@@ -99,21 +99,21 @@ class BodyBuffer {
   static void mark_contacts(World& world);
 
   detail::SparseArray<SolverBody> bodies_;
-  detail::SparseArray<std::uint8_t> loaded_;  ///< by slot: the body is here, and kept up to date
+  detail::SparseArray<std::uint8_t> loaded_;  ///< by slot: the body is loaded and kept up to date
   std::span<const std::uint32_t> movers_;
-  std::vector<std::uint32_t> every_slot_;  ///< where those are all
+  std::vector<std::uint32_t> every_slot_;  ///< scratch of movers_ if it is every slot
   struct {
     BodyLog::Mark since;  ///< of the world
-    int steps = 0;        ///< in which nobody was awake and nothing was noted
+    int steps = 0;        ///< steps in a row without awake bodies or entries in the log
     double dt = 0.0;      ///< s, of each
   } rest_;
-  BodyLog::Mark seen_;                 ///< of what does not move
-  std::vector<std::uint32_t> marked_;  ///< bodies that cannot move and bear marks of this step
+  BodyLog::Mark seen_;                 ///< mark for bodies that do not move
+  std::vector<std::uint32_t> marked_;  ///< immovable bodies that carry marks of this step
   struct KeptInertia {
     Mat3 inverse;
-    Quat q;  ///< the body's, for which it is
+    Quat q;  ///< orientation of the body for which it was computed
   };
-  detail::SparseArray<KeptInertia> inertias_;  ///< by slot; where joints are
+  detail::SparseArray<KeptInertia> inertias_;  ///< by slot, of bodies with joints
   std::vector<std::uint32_t> kinematic_;
 };
 

@@ -6,8 +6,8 @@
 
 #include "tandem/pbd/body.h"
 
-/// The rules of what a body is made from. All throw std::invalid_argument naming `kind`, the field,
-/// its value and the rule.
+/// Checks of body definitions. All throw std::invalid_argument naming `kind`, the field, its value
+/// and the rule.
 namespace tandem::pbd {
 
 /// Finite, with an orientation of unit norm.

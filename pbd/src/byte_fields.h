@@ -8,8 +8,8 @@
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/bytes.h"
 
-/// What is in snapshots, said once for writing and reading: a function that lists fields calls
-/// io(field, ...), with one of these two as io.
+/// Fields of snapshots, listed once for writing and reading: a function that lists fields calls
+/// io(field, ...) with one of these two as io.
 namespace tandem::pbd {
 
 class FieldWriter {

@@ -46,7 +46,7 @@ std::uint64_t ByteReader::get(int count) {
     return 0;
   }
   std::uint64_t value = 0;
-  if (kLittle && remaining() >= sizeof(value)) {  // the usual case; the other gives the same
+  if (kLittle && remaining() >= sizeof(value)) {  // fast path, same result as below
     std::memcpy(&value, &in_[at_], sizeof(value));
     value &= ~std::uint64_t{0} >> (64 - 8 * count);
     at_ += static_cast<std::size_t>(count);

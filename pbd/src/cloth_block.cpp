@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// An object of its own: a program without cloth links nothing of it.
+// A translation unit of its own: programs without cloth do not link it.
 #include "tandem/pbd/cloth_block.h"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ ClothBlock::~ClothBlock() = default;
 
 bool ClothBlock::empty() const { return rows_->empty(); }
 
-/// To be changed: a copy of the world that has them as well keeps them as they are.
+/// The rows for a change: cloned first if a copy of the world shares them.
 ClothRows& ClothBlock::own_rows() {
   by_body_.outdate();
   if (rows_.use_count() > 1) rows_ = std::make_shared<ClothRows>(*rows_);
@@ -48,7 +48,7 @@ void ClothBlock::require_no_host(BodyId point, std::string_view kind) const {
   }
 }
 
-/// For a new row. @return the place of the first one
+/// Reserves scalars for a new row. @return the index of the first one
 std::uint32_t ClothBlock::take_scalars(std::size_t count, std::span<const BodyId> bodies) {
   for (const BodyId body : bodies) changed_.push_back(body.index);
   const auto at = static_cast<std::uint32_t>(carried_.size());
@@ -184,7 +184,7 @@ void ClothBlock::set_sweeps(int sweeps) {
 void ClothBlock::begin_step(const SubstepContext& ctx) {
   sweep_->begin_step(*rows_, ctx, carried_.size());
   if (ctx.displaced.empty()) return;
-  // What agreement has put elsewhere is left there: all rows near it keep what they violate.
+  // Rows near bodies that agreement has placed keep their violation.
   bool touched = false;
   rows_->for_neighbours([&](BodyId a, BodyId b) {
     touched = touched || ctx.displaced[a.index] != 0 || ctx.displaced[b.index] != 0;
@@ -197,8 +197,8 @@ void ClothBlock::begin_step(const SubstepContext& ctx) {
 }
 
 void ClothBlock::begin_substep(const SubstepContext& ctx) {
-  // Of what agreement left, in a substep. At 0.92, as joints have it, a banner of two resolutions
-  // is 67 mm apart and not 23 (tests/session/banner_test.cpp).
+  // Decay per substep of the violation that agreement left. At 0.92, the value of joints, a banner
+  // of two resolutions is 67 mm apart and not 23 (tests/session/banner_test.cpp).
   constexpr double kCarriedDecay = 0.98;
   sweep_->calls = 0;
   const bool shared =
@@ -212,7 +212,8 @@ void ClothBlock::begin_substep(const SubstepContext& ctx) {
   sweep_->clear_lambdas(*rows_, ctx);
 }
 
-/// All sweeps at once; another one where joints go on, which may have moved what holds the cloth.
+/// All sweeps at once; further ones while joints iterate, since these may have moved bodies that
+/// hold the cloth.
 int ClothBlock::sweeps_now() {
   constexpr int kMaxCalls = 5;
   const int call = sweep_->calls++;
@@ -258,19 +259,19 @@ void ClothBlock::end_step(const SubstepContext& ctx, std::span<double> /*wanted*
   sweep_->for_rigid(*rows_, Sweep::kAllGroups, [&](std::uint32_t k, bool excess) {
     const double c = sweep_->bounds[k];
     residual_ = std::max(residual_, excess ? c : std::abs(c));
-    // What a spoiled step leaves behind must not spoil the next one.
+    // A non-finite step must not spoil the next one.
     if (!std::isfinite(carried_[k])) carried_[k] = 0.0;
   });
 }
 
 void ClothBlock::append_edges(std::vector<ConstraintEdge>& edges) const {
-  // What rows gave back of their stretch in a substep, they would give back again.
+  // No repeats: rows would return the kinetic energy of their stretch a second time.
   rows_->for_neighbours([&](BodyId a, BodyId b) {
     edges.push_back({.body_a = a.index, .body_b = b.index, .repeats = false});
   });
 }
 
-/// The pairs of neighbours, made when they are first asked for after rows have changed.
+/// Pairs of neighbours, made on demand after rows have changed.
 const ByBody& ClothBlock::neighbours() const {
   by_body_.renew([&] {
     std::uint32_t pair = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What the rows of a ClothBlock are, as bytes. An object of its own: see cloth_block.cpp.
+// Rows of a ClothBlock as bytes. A translation unit of its own: see cloth_block.cpp.
 #include "cloth_rows.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// A count of things of so many bytes each; 0 where there cannot be as many.
+/// Reads a count of elements of so many bytes each; 0 if the input is too short for them.
 std::uint32_t load_count(ByteReader& in, std::size_t bytes) {
   const std::uint32_t count = in.u32();
   if (count <= in.remaining() / bytes) return count;

@@ -12,17 +12,17 @@
 
 namespace tandem::pbd {
 
-/// Whether each is there once.
+/// Whether no body is listed twice.
 bool all_differ(std::vector<BodyId> bodies);
 
-/// What the rows of a ClothBlock are. Each scalar of a row has a place in arrays of carried and of
-/// scratch numbers, from `at` on: one for each length of a strand and for a tether, three for means
-/// and attachments.
+/// Definitions of the rows of a ClothBlock. Each scalar of a row has an index in the arrays of
+/// carried and scratch numbers, from `at` on: one per length of a strand, one for a tether, three
+/// for means and attachments.
 struct ClothRows {
   struct Strand {
     std::uint64_t id = 0;
-    std::uint32_t first = 0;  ///< into points and lengths
-    std::uint32_t count = 0;  ///< of points
+    std::uint32_t first = 0;  ///< index into points and lengths
+    std::uint32_t count = 0;  ///< number of points
     double compliance = 0.0;  ///< 1/N
     std::uint32_t at = 0;
   };
@@ -34,8 +34,8 @@ struct ClothRows {
   };
   struct Mean {
     std::uint64_t id = 0;
-    std::uint32_t first = 0;  ///< into mean_points and weights
-    std::uint32_t count = 0;  ///< of points
+    std::uint32_t first = 0;  ///< index into mean_points and weights
+    std::uint32_t count = 0;  ///< number of points
     double compliance = 0.0;  ///< m/N
     bool leads = false;
     std::uint32_t at = 0;
@@ -48,8 +48,8 @@ struct ClothRows {
   };
 
   std::vector<Strand> strands;
-  std::vector<BodyId> points;   ///< of strands
-  std::vector<double> lengths;  ///< m, of strands; of a strand's last point 0
+  std::vector<BodyId> points;   ///< points of strands
+  std::vector<double> lengths;  ///< m, of strands; 0 for the last point of each
   std::vector<Tether> tethers;
   std::vector<Mean> means;
   std::vector<BodyId> mean_points;
@@ -63,24 +63,24 @@ struct ClothRows {
   std::size_t row_count() const {
     return points.size() - strands.size() + tethers.size() + means.size() + attachments.size();
   }
-  /// Give each scalar its place, by row. @return how many there are
+  /// Numbers the scalars, row by row. @return their number
   std::size_t number();
-  /// The places of each row, in order, as number() gives them.
+  /// Visits the scalars of each row, in the order of number().
   template <class Visit>
   void for_scalars(Visit&& visit) const;
-  /// Take out what `gone` says of: a strand falls apart where a point is gone.
-  /// @param carried  by scalar, as numbered; follows
+  /// Removes the rows that `gone_id` or `gone_body` names: a strand ends where a point is removed.
+  /// @param carried  by scalar, as numbered; updated
   template <class GoneId, class GoneBody>
   void erase(std::vector<double>& carried, const GoneId& gone_id, const GoneBody& gone_body);
-  /// The bodies of all rows, those of each row beside each other.
+  /// Visits pairs of bodies that a row names one after the other.
   template <class Visit>
   void for_neighbours(Visit&& visit) const;
 
-  /// Whether a row names the body, but as the host of an attachment.
+  /// Whether a row names the body, other than as the host of an attachment.
   bool is_point(BodyId body) const;
 
   void save(ByteWriter& out) const;
-  /// Fails `in` where its bytes are none of save().
+  /// Fails `in` on bytes that are not from save().
   void load(ByteReader& in);
   bool fits(const World& world) const;
 };

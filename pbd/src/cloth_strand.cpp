@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// All links of a strand at once. An object of its own: see cloth_block.cpp.
+// The direct solve of a strand. A translation unit of its own: see cloth_block.cpp.
 #include <algorithm>
 #include <cmath>
 
@@ -13,17 +13,17 @@
 namespace tandem::pbd {
 namespace {
 
-/// Of the mass that hangs on it: a slack link resists turning by this much, so that its compliance
-/// stays a number.
+/// Share of the mass that hangs on a link: a slack link resists turning by this much, which keeps
+/// its compliance finite.
 constexpr double kSlack = 1e-6;
-/// (rate h)^2, of the fastest swing of a strand, up to which its links may pull along where they
-/// would be without each other: beyond 2.2 that sets it swinging more and more.
+/// Largest (rate h)^2 of a strand's fastest swing for which links may pull along their free
+/// directions: beyond 2.2 the swing grows.
 constexpr double kResolved = 1.0;
-/// Strain beyond which Newton's method begins too far away: of 200 ropes that a ball hits, 31
-/// gain energy without a bound.
+/// Strain beyond which Newton's method does not start: of 200 ropes that a ball hits, 31 gain
+/// energy without bound.
 constexpr double kFar = 0.05;
-/// Of the length of a link: how far it may be from it before another round of Newton's method, and
-/// how many rounds there are. With two, a rope of 61 particles and 1 m under 1000 kg tears.
+/// Tolerance as a share of a link's length, and the limit of Newton iterations. With two
+/// iterations, a rope of 61 particles and 1 m under 1000 kg tears.
 constexpr double kClose = 1e-5;
 constexpr int kMaxRounds = 10;
 
@@ -43,7 +43,7 @@ void ClothBlock::Sweep::solve_straight(const ClothRows& rows, const ClothRows::S
     const double soft = softness * lengths[i];
     row.rhs = lengths[i] + held[strand.at + i] - length - soft * lambda_[strand.at + i];
     row.diagonal = (1.0 + kRegular) * stiff + soft;
-    if (!(stiff > 0.0)) {  // it cannot give way, or has no direction
+    if (!(stiff > 0.0)) {  // rigid and immovable, or without direction
       row.rhs = 0.0;
       row.diagonal = 1.0;
     }
@@ -76,11 +76,11 @@ bool ClothBlock::Sweep::swings_fast(const ClothRows& rows, const ClothRows::Stra
   return fast;
 }
 
-/// A link under tension T that ends along n, at length l, pulls its ends along where it ends, which
-/// is T n + (T / l) (1 - n n^T) g for the way g by which they move apart: Newton's method for the
-/// pose that is nearest to where the points would go, among those in which the links have their
-/// lengths. It is stable for any tension, as that pose is.
-/// With p what each link does, w mobilities, and L = at n n^T + (l / T) (1 - n n^T):
+/// A link under tension T that ends along n, at length l, pulls its ends along its direction at the
+/// end: T n + (T / l) (1 - n n^T) g, where g is the relative motion of the ends. This is Newton's
+/// method for the pose nearest to the predicted one in which all links have their lengths. That
+/// pose makes it stable at any tension.
+/// With p the impulse of each link, w mobilities, and L = at n n^T + (l / T) (1 - n n^T):
 /// (L_i + w_i + w_i+1) dp_i - w_i dp_i-1 - w_i+1 dp_i+1 = -e_i, 3 x 3 blocks.
 double ClothBlock::Sweep::solve_turning(const ClothRows& rows, const ClothRows::Strand& strand,
                                         double softness, std::span<const double> held) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What happens to threads that something stronger has stretched. An object of its own: see
+// Recovery of threads that a stronger constraint has stretched. A translation unit of its own: see
 // cloth_block.cpp.
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// Beyond this strain something stronger has stretched or pressed a thread.
+/// Beyond this strain a stronger constraint has stretched or compressed a thread.
 constexpr double kStretched = 0.01;
 
 }  // namespace
@@ -71,8 +71,8 @@ void ClothBlock::Sweep::move_from_start(const SubstepContext& ctx,
   }
 }
 
-/// Kinetic energy is a square of the share s that is taken of the way from passive to full moves:
-/// E(s) = E(0) + b s + a s^2, in units of m^2 kg / h^2.
+/// Kinetic energy is quadratic in the share s of the way from passive to full moves: E(s) = E(0) +
+/// b s + a s^2, in units of m^2 kg / h^2.
 double ClothBlock::Sweep::affordable(const SubstepContext& ctx) const {
   double before = 0.0, passive = 0.0, a = 0.0, b = 0.0;
   for (std::size_t i = 0; i < touched_.size(); ++i) {
@@ -116,7 +116,8 @@ void ClothBlock::Sweep::run_real(const ClothRows& rows, const SubstepContext& ct
              passive.turn + share * (moved.turn - passive.turn)};
   }
   move_from_start(ctx, stretched_.full);
-  violations(rows, ctx.bodies, ctx.group, bounds);  // what it is now stays, if joints go on
+  violations(rows, ctx.bodies, ctx.group,
+             bounds);  // kept by joints that iterate on
 }
 
 }  // namespace tandem::pbd

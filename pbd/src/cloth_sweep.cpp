@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The solve of a ClothBlock's rows. An object of its own: see cloth_block.cpp.
+// The solve of a ClothBlock's rows. A translation unit of its own: see cloth_block.cpp.
 #include "cloth_sweep.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// By index, without the generation check: rows of bodies that are gone are gone.
+/// By index, without generation check: rows are removed with their bodies.
 SolverBody& at(std::span<SolverBody> bodies, BodyId id) { return bodies[id.index]; }
 const SolverBody& at(std::span<const SolverBody> bodies, BodyId id) { return bodies[id.index]; }
 
@@ -122,7 +122,7 @@ void ClothBlock::Sweep::find_points(const ClothRows& rows, std::size_t bodies) {
   }
   touched_ = slots_;
   for (const Hold& hold : holds_) {
-    if (point_of_[hold.host] != kFree) continue;  // it was there before: a host is no point
+    if (point_of_[hold.host] != kFree) continue;  // added already: a host is no point
     point_of_[hold.host] = 0;
     touched_.push_back(hold.host);
   }
@@ -176,7 +176,7 @@ void ClothBlock::Sweep::refresh_hold(const ClothRows::Attachment& attachment,
   const SolverBody& host = at(bodies, attachment.host);
   const double own = at(bodies, attachment.particle).inv_mass;
   hold.r = rotate(host.q, attachment.anchor_l);
-  if (own == 0.0) {  // nothing moves either
+  if (own == 0.0) {  // immovable
     hold.mobility.setZero();
     hold.share.setZero();
     return;
@@ -209,13 +209,13 @@ void ClothBlock::Sweep::solve_tether(const ClothRows::Tether& tether, std::size_
   const Vec3 n = d / length;
   const double w = mobility(a, n, n) + mobility(b, n, n);
   if (!(w > 0.0)) return;
-  const double change = std::min(-c / w, -lambda);  // it pulls and never pushes
+  const double change = std::min(-c / w, -lambda);  // tethers pull only
   lambda += change;
   push(ctx.bodies, a, -change * n);
   push(ctx.bodies, b, change * n);
 }
 
-/// @param led  the first point does not give way
+/// @param led  the first point does not move
 void ClothBlock::Sweep::solve_mean(const ClothRows& rows, const ClothRows::Mean& mean,
                                    const SubstepContext& ctx, std::span<const double> held,
                                    bool led) {

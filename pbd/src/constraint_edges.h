@@ -11,12 +11,12 @@
 
 namespace tandem::pbd {
 
-/// Non-penetration has the last word in each sweep.
+/// Contacts come last in each sweep, so that non-penetration wins.
 inline bool is_last(const ConstraintBlock& block) {
   return block.order() >= static_cast<int>(SolveOrder::Contact);
 }
 
-/// The edges of all rows of a world; memory is used again.
+/// The edges of all rows of a world; memory is reused.
 class ConstraintEdges {
  public:
   void list(const World& world) {
@@ -45,14 +45,14 @@ class ConstraintEdges {
     if (world.contacts() != nullptr) world.contacts()->append_edges(edges_);
   }
   std::span<const ConstraintEdge> all() const { return edges_; }
-  /// Those of rows that are not active.
+  /// Edges of inactive rows.
   std::span<const ConstraintEdge> idle() const { return idle_; }
-  /// Of the blocks that project poses: those before contacts, which come first.
+  /// Edges of blocks that project poses: those before contacts, which come first.
   std::span<const ConstraintEdge> projecting() const { return all().first(projecting_); }
   std::span<const ConstraintEdge> without_contacts() const { return all().first(contacts_); }
-  /// Those of blocks that are asked for one group at a time.
+  /// Edges of blocks that do not allow several groups at once.
   std::span<const ConstraintEdge> of_single_groups() const { return single_; }
-  /// Whether each of those blocks has named bodies: one that has not may act on any.
+  /// Whether each of those blocks has named bodies: one without edges may act on any body.
   bool names_all() const { return names_all_; }
 
  private:

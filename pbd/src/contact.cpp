@@ -14,34 +14,32 @@
 namespace tandem::pbd {
 namespace {
 
-/// Overlap that is left alone, as a share of the way that a body falls from rest within a substep,
-/// twice: resting contacts stay as they are. Every other substep opens deep ones alone: that leaves
-/// no more than opening all of them each time (katamari 0.07 mm in the mean, cliff 0.01 mm), where
-/// opening none leaves boxes that start 0.3 m deep there twice as long, and passes bars of a tower
+/// Overlap that is left alone, so that resting contacts stay, as a share of twice the distance that
+/// a body falls from rest within a substep. Every other substep opens deep overlaps only. This
+/// leaves no more than opening all each time (katamari 0.07 mm in the mean, cliff 0.01 mm); opening
+/// none leaves boxes that start 0.3 m deep there twice as long and lets through bars of a tower
 /// that is dropped 2 cm into each other.
 constexpr double kPushSlop = 0.05;
 constexpr double kPushSlopBetween = 1.0;
 
-/// See there.
+/// The share for this substep.
 double push_slop(const SubstepContext& ctx) {
   return ctx.last || ctx.substep % 2 == 1 ? kPushSlop : kPushSlopBetween;
 }
 
-/// Sweeps that hold displacements against contacts. With one, a light body that its target pulls
-/// under a heavy one is pressed into the ground: pile, profile 5, seeds 831 to 834, three of four
-/// runs lost a cube through it, and the deepest overlap was 73 to 94 mm; with four none did, 37 to
-/// 65 mm.
+/// Sweeps that hold displacements against contacts. With one, a light body pulled by its target
+/// under a heavy one is pressed into the ground: pile, profile 5, seeds 831 to 834: three of four
+/// runs lost a cube through it, deepest overlap 73 to 94 mm; with four none did, 37 to 65 mm.
 constexpr int kHoldSweeps = 4;
 
-/// m, at which turning counts beside moving where one number stands for both.
+/// m, lever arm that converts rad/s to m/s where one speed is needed.
 constexpr double kLeverArm = 0.1;
 
-/// Bodies that close a joint's gap leave overlaps slowly. Where a blow has left a limb on the wrong
-/// side of something, contacts and the joint want it in two places: pushed at full speed it goes to
-/// and fro between them. Of five heaps of 27 ragdolls each 17 to 76 bodies trembled after 8 s, at
-/// up to 1.1 m/s, and joints were 9 mm to 1 m apart (p99). Now at most 2 tremble, and joints are
-/// at most 0.3 mm apart (p99). At 0.02 m/s three of fifteen dolls that fall on a floor do not
-/// sleep after 6 s; at 0 overlaps stay.
+/// Bodies that close a joint's gap leave overlaps slowly. After an impact has left a limb on the
+/// wrong side of something, contacts and the joint want it in two places, and pushed at full speed
+/// it oscillates between them: in five heaps of 27 ragdolls 17 to 76 bodies trembled after 8 s, at
+/// up to 1.1 m/s; now at most 2 do, with joints at most 0.3 mm apart (p99). At 0.02 m/s three of
+/// fifteen dolls that fall on a floor do not sleep after 6 s; at 0 overlaps stay.
 void yield_to_gaps(const SubstepContext& ctx) {
   constexpr double kSlow = 0.005;  // m/s
   for (const std::uint32_t i : ctx.members) {
@@ -54,13 +52,13 @@ void yield_to_gaps(const SubstepContext& ctx) {
   }
 }
 
-/// What is known of a contact at the end of a step.
+/// Updates a contact at the end of a step.
 void finish_contact(Contact& contact, std::span<const SolverBody> bodies, double& worst) {
   const Manifold& m = contact.manifold;
   const SolverBody& a = bodies[m.body_a];
   const SolverBody& b = bodies[m.body_b];
   const bool asleep = a.group == SolverBody::kNoGroup && b.group == SolverBody::kNoGroup;
-  if (!asleep || contact.overlap < 0.0) {  // what sleeps is as it was
+  if (!asleep || contact.overlap < 0.0) {  // sleeping contacts keep theirs
     contact.overlap = 0.0;
     for (int i = 0; i < m.count; ++i) {
       contact.overlap = std::max(contact.overlap, -gap_of(m, a, b, i));
@@ -112,7 +110,7 @@ void ContactBlock::Impl::make_rows(const SubstepContext& ctx) {
   const std::size_t blocks = places.size() / kLanes;
   ContactGroup& own = group(ctx);
   own.make_room(blocks);
-  // What is in reserve takes no memory before it is written to.
+  // Reserved memory is not touched before it is written to.
   if (blocks > own.room.size()) own.room.resize(blocks);
   own.rows = std::span(own.room).first(blocks);
   const std::span<ContactRows> rows = own.rows;
@@ -234,7 +232,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
   own.open_rows = std::max(own.open_rows, open);
   own.turned = true;
   const double change = ctx.h * m.largest_change(ctx);
-  // Overlaps are those of the substep's start: the first turn has opened them.
+  // Overlaps were measured at the start of the substep; the first iteration has opened them.
   if (ctx.iteration > 0) return change;
   for (const std::uint32_t body : ctx.members) m.pushed[body] = 0;
   m.order.sweep(ctx.group, ctx.reverse, *ctx.workers, [&](std::uint32_t k) {
@@ -255,7 +253,7 @@ double ContactBlock::project_displacement(const SubstepContext& ctx) {
     const double rim = kLeverArm * body.w_push.norm();
     fastest = std::max(fastest, body.v_push.squaredNorm() + rim * rim);
   }
-  // What moves less than the slop presses nothing into anything.
+  // Displacement below the slop causes no overlap.
   const double slop = kPushSlop * fall_of(ctx);  // m/s
   const int sweeps = fastest > slop * slop ? kHoldSweeps : 1;
   const BodyNumbers numbers = numbers_of(ctx.bodies);
@@ -297,7 +295,7 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
     contact.approach_speed = std::max(rows.fastest[lane], load > 0.0 ? rows.approach[lane] : 0.0);
     contact.warm_start_scale = warm_start_scale(rows, lane, growth);
     contact.friction_force = friction_of(rows, lane) / ctx.h;
-    // What a spoiled step leaves behind must not spoil the next one.
+    // A non-finite step must not spoil the next one.
     for (std::size_t i = 0; i < rows.most_points(); ++i) {
       const double impulse = rows.impulse[i][lane];
       contact.force[i] = std::isfinite(impulse) ? impulse / ctx.h : 0.0;
@@ -314,7 +312,7 @@ void ContactBlock::finish_velocity(const SubstepContext& ctx) {
 
 void ContactBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
   Impl& m = *impl_;
-  m.briefs();  // all are there
+  m.briefs();  // makes all briefs
   m.add_up_groups();
   m.worst.assign(static_cast<std::size_t>(ctx.workers->count()), 0.0);
   ctx.workers->for_chunks(m.contacts.size(), Impl::kGrain,

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Rows after the sweeps: who still approaches has been hit, and bounces.
+// Impacts after the sweeps: rows that still approach have been hit, and bounce.
 #pragma once
 
 #include "contact_pair.h"
 
 namespace tandem::pbd::kernel {
 
-/// Normal velocities of the points of rows; where there are no faces, all are that of the first.
+/// Normal velocities of the points of rows; without faces all have the first point's.
 template <class A, bool faces>
 Four<xsimd::batch<double, A>> normal_velocities(const ContactRows& rows, std::size_t at,
                                                 const Pair<A, Velocities::Push>& pair) {
@@ -38,7 +38,7 @@ unsigned meet(const ContactRows& rows, Blow& blow, std::size_t at, double slow, 
   for (std::size_t i = 0; i < (faces ? 4 : 1); ++i) {
     const Mask<V> there = points > V(static_cast<double>(i));
     const Mask<V> touches = load<V>(rows.impulse[i], at) > zero;
-    // As in solve_faces(): a point that carries nothing may close its gap.
+    // As in solve_faces(): an unloaded point may close its gap.
     const V closing = xsimd::select(touches, zero, most(load<V>(rows.bias[i], at), zero));
     const V approach = zero - (vn[i] + closing);
     const Mask<V> fast = there & (approach > V(slow));

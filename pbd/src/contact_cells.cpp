@@ -8,10 +8,10 @@
 namespace tandem::pbd {
 namespace {
 
-/// Slices along an axis, of which slabs are put together.
+/// Slices along an axis, which are joined to slabs.
 constexpr std::size_t kSlices = 256;
 
-/// Slices of things with places and weights, and from them slabs of about the same weight.
+/// Weighs slices along an axis, and joins them to slabs of about equal weight.
 template <std::size_t kSlabs>
 class Slabs {
  public:
@@ -23,7 +23,7 @@ class Slabs {
     weight_[slice(at)] += weight;
     all_ += weight;
   }
-  /// After all have been weighed.
+  /// Call after everything has been weighed.
   void divide() {
     double before = 0.0;
     for (std::size_t i = 0; i < kSlices; ++i) {
@@ -39,7 +39,7 @@ class Slabs {
  private:
   std::size_t slice(double at) const {
     const double share = (at - low_) / std::max(high_ - low_, 1e-9);
-    // What is no number has its place as well.
+    // NaN goes to the last slice.
     return share < 1.0 && share >= 0.0 ? static_cast<std::size_t>(share * kSlices) : kSlices - 1;
   }
 
@@ -48,7 +48,7 @@ class Slabs {
   std::array<std::uint8_t, kSlices> slab_{};
 };
 
-/// Bits of two numbers of four, in turns.
+/// Interleaves the bits of two 4-bit numbers.
 std::uint8_t z_curve(unsigned i, unsigned j) {
   unsigned cell = 0;
   for (unsigned bit = 0; bit < 4; ++bit) {

@@ -12,15 +12,15 @@
 namespace tandem::pbd {
 namespace {
 
-/// Of a positive speed: the exponent of its binary number.
+/// Binary exponent of a positive speed.
 std::uint8_t octave_of(float speed) {
   return static_cast<std::uint8_t>(bit_cast<std::uint32_t>(speed) >> 23);
 }
 
-/// Blocks given to a worker at a time.
+/// Blocks per chunk of a worker.
 constexpr std::size_t kBlockGrain = 64;
 
-/// The last of the budget is left over: looking for so few rows costs more than they bring.
+/// The last part of the budget is left unused: searching costs more than so few rows bring.
 constexpr int kNotWorthIt = 8;
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Which bodies contacts hold together, and what becomes of them as bodies go.
+// Bodies joined by contacts, and contacts of removed bodies.
 #include "contact_impl.h"
 #include "tandem/pbd/contact.h"
 
@@ -26,7 +26,7 @@ void ContactBlock::append_joined(std::uint32_t body, std::vector<std::uint32_t>&
                           [&](std::uint32_t, std::uint32_t other) { joined.push_back(other); });
 }
 
-// The list is put in order when it is looked at: many bodies may go at once.
+// The list is compacted when it is next read: many bodies may be removed at once.
 void ContactBlock::remove_body(BodyId body) {
   Impl& m = *impl_;
   m.named().for_rows(body.index, [&](std::uint32_t k, std::uint32_t) {

@@ -22,26 +22,25 @@ struct Slide {
   V f1, f2, tn;
 };
 
-/// How far friction reaches for the load that the normals carry.
+/// Friction limits for the current normal load.
 template <class V>
 struct FrictionLimit {
   V slide;  ///< N s
-  V twist;  ///< N m s; the load's spread about its centre turns it into a moment
+  V twist;  ///< N m s; the spread of the load about its centre gives the moment
 };
 
-/// V_1 and V_2 of F_1 and F_2, on average over directions: no direction answers by twice as much.
+/// Mean response of V_1, V_2 to F_1, F_2 over all directions; at most a factor of two off in any.
 template <class V>
 V mean_response(const TangentBlock<V>& k_tt) {
   return V(0.5) * (k_tt.m11 + k_tt.m22);
 }
 
-/// Cut impulses that leave no slip back to the ellipsoid at the point where friction dissipates
-/// most: a body that spins fast hardly resists being pushed. Two limits of their own would brake
-/// such a body twice over.
-/// What is cut back goes against the slip, not along what would end it: beside the centre of mass
-/// these are two directions. A cone that slid over two tiles turned, and stopped 13 mm further.
-/// @param before  the impulses under which there is the slip, V_1 and V_2 in m/s
-/// @param f       those that leave none
+/// Cuts the impulses that end the slip back to the ellipsoid, at the point of largest dissipation:
+/// a body that spins fast hardly resists being pushed. Two separate limits would brake it twice.
+/// The cut impulse opposes the slip, not the direction that would end it; off the centre of mass
+/// these differ. With the latter a cone that slid over two tiles turned, and stopped 13 mm further.
+/// @param before  impulses at which the slip, V_1 and V_2 in m/s, was measured
+/// @param f       impulses that end it
 template <class V>
 void keep_within(const TangentBlock<V>& k_tt, const Slide<V>& before, const std::array<V, 2>& slip,
                  const FrictionLimit<V>& limit, Slide<V>& f) {
@@ -67,9 +66,9 @@ void keep_within(const TangentBlock<V>& k_tt, const Slide<V>& before, const std:
     constexpr int kIterations = 10;
     const V p = m_slide * limit.slide * limit.slide;
     const V q = k_tt.mnn * limit.twist * limit.twist;
-    // The bound's own multiplier, by Newton's iteration on 1 / use - 1, which is concave and nearly
-    // straight, so that it comes from below wherever it starts: here from the answer for equal p
-    // and q, with a mean of both. Started from 0 it looks 3.3 times, not 1.7, at what is cut back.
+    // Multiplier of the bound, by Newton's iteration on 1 / use - 1, which is concave and nearly
+    // straight, so that it converges from below from any start. It starts from the solution for
+    // equal p and q, with their mean: 1.7 iterations instead of 3.3 from 0.
     const V a = m_slide * slide * limit.slide;
     const V b = k_tt.mnn * xsimd::abs(f.tn) * limit.twist;
     V bound = most(zero, xsimd::sqrt(a * a + b * b) - (a * p + b * q) / (a + b)), use = zero;

@@ -8,19 +8,19 @@
 namespace tandem::pbd {
 namespace {
 
-/// Of the fastest approach: slower ones end a train of blows, which without gravity all bounce, and
-/// a round is solved when its velocities change by less than the square of it. Where five balls in
-/// a row lose a tenth at each blow, ten times as much leaves 0.1 % undone; two balls that hit a
-/// third one share to 2e-7 of their speed, to 1e-5 at ten times as much.
+/// Share of the fastest approach: slower approaches end an impact chain, which without gravity all
+/// bounce; a round is solved when its velocities change by less than its square. With five balls in
+/// a row that lose a tenth at each impact, ten times as much leaves 0.1 % undone; two balls that
+/// hit a third one share to 2e-7 of their speed, and to 1e-5 at ten times as much.
 constexpr double kFaint = 1e-3;
 
-/// Rows of a body are hit at once where the slowest approaches at this share of the fastest, and
+/// Rows of a body are hit at once if the slowest approach is at least this share of the fastest,
 /// else one after the other. At 0 a ball that comes a little late shares what the others exchange:
-/// a cradle of which two balls are let go from 60 degrees, with gaps of 0.1 mm and 32 substeps,
-/// loses 22 % of its energy in 5 s, and 5 % at a half.
+/// a cradle with two balls let go from 60 degrees, gaps of 0.1 mm and 32 substeps, loses 22 % of
+/// its energy in 5 s, and 5 % at a half.
 constexpr double kTogether = 0.5;
 
-/// Call visit(body) for both bodies of each row of the blocks, whether it moves or not.
+/// Calls visit(body) for both bodies of each row of the blocks, movable or not.
 void for_ends(std::span<const ContactRows> rows, auto&& visit) {
   for (const ContactRows& each : rows) {
     for (std::size_t i = 0; i < each.count; ++i) {
@@ -30,7 +30,7 @@ void for_ends(std::span<const ContactRows> rows, auto&& visit) {
   }
 }
 
-/// Call visit(body) for the bodies of the lanes that can move.
+/// Calls visit(body) for the movable bodies of the lanes.
 void for_bodies(const ContactRows& rows, LaneMask lanes, auto&& visit) {
   for (std::size_t i = 0; i < rows.count; ++i) {
     if ((lanes & rows.a_moves) >> i & 1u) visit(i, rows.a[i]);
@@ -122,8 +122,8 @@ void ContactImpacts::run(std::span<ContactRows> rows, const ContactKernels& kern
     }
   }
   const double slow = std::max(slow_, kFaint * fastest);
-  // What opens overlaps has done so by now: its velocities stand for those of the blows. What
-  // stands still may be in other groups, which are solved at the same time.
+  // Overlaps have been opened by now, so v_push and w_push are free to hold the velocities of
+  // impacts. Bodies at rest may be in other groups, which are solved at the same time.
   const auto stands = [&](std::uint32_t i) {
     return bodies[i].inv_mass == 0.0 && bodies[i].v.isZero(0.0) && bodies[i].w.isZero(0.0);
   };
@@ -153,7 +153,7 @@ void ContactImpacts::run(std::span<ContactRows> rows, const ContactKernels& kern
     find_open(rows, kernels, numbers, slow, false);
     passes_on = passes_on || coupled || !open_.empty();
   }
-  // Where nothing passed on, each row has its bounce already.
+  // If nothing propagated, each row has its bounce already.
   for (std::uint32_t n = 0; passes_on && n < rows.size(); ++n) {
     const std::uint32_t k = order_.empty() ? n : order_[n];
     if (blows_[k].struck != 0) kernels.settle(rows[k], blows_[k], numbers);

@@ -12,27 +12,27 @@
 
 namespace tandem::pbd {
 
-/// Blows that pass on from contact to contact within a substep.
+/// Impacts that propagate from contact to contact within a substep.
 ///
-/// The pass stops what approaches in all rows together, as if bodies that touch were one. A blow is
-/// not shared like that: it hits those rows alone that approach. Rows that are hit at once share it
-/// as geometry says, and what they hit then passes on what it got. So rounds of simultaneous
-/// impacts follow each other, from the velocities before the substep, until no row approaches
-/// faster than what bounces, and the velocity pass starts from the impulses that came out. A round
-/// cannot add energy, as each row that pushes had approached and parts no faster than that.
-/// Source: [smith2012], generalised reflections. Differs: a round asks each row for its own
-/// restitution, and what approaches more slowly than its neighbour waits.
+/// The velocity pass stops all approaching rows together, as if touching bodies were one. An impact
+/// acts only on the rows that approach. Rows that are hit at once share it by their geometry, and
+/// the bodies that they hit then pass it on. So rounds of simultaneous impacts follow each other,
+/// starting from the velocities before the substep, until no row approaches faster than the bounce
+/// threshold. The velocity pass then starts from their impulses. A round cannot add energy, as each
+/// row that pushes had approached and separates no faster than that.
+/// Source: [smith2012], generalised reflections. Differs: a round uses the restitution of each row,
+/// and slower approaches wait for faster neighbours.
 class ContactImpacts {
  public:
-  /// Room for a step with so many bodies, and groups of so many blocks.
+  /// Reserves for so many bodies, and groups of so many blocks.
   void reserve(std::size_t bodies, std::size_t blocks);
-  /// Velocities as they are before the substep, and impulses as it begins with them.
+  /// Stores the velocities before the substep, and the impulses that it begins with.
   /// @param slow  m/s, slower impacts do not bounce
-  /// @param order  of blocks; empty: as they lie     @pre what it views lasts until run()
+  /// @param order  of blocks; empty: ascending     @pre the views outlive run()
   void begin(std::span<const ContactRows> rows, std::span<const std::uint32_t> order,
              std::span<const SolverBody> bodies, double slow);
-  /// Once in a substep, after the pass: rows that carry nothing did not close and are not hit.
-  /// @param most  rows struck; what is left then approaches without a bounce
+  /// Once in a substep, after the pass: unloaded rows did not close and are not hit.
+  /// @param most  budget of rows struck; the rest approaches without a bounce
   void run(std::span<ContactRows> rows, const ContactKernels& kernels, std::span<SolverBody> bodies,
            int most);
 
@@ -42,10 +42,10 @@ class ContactImpacts {
     LaneMask lanes = 0;
   };
 
-  /// Rows that are hit next, at once or after others.
+  /// Finds the rows that approach, hit at once or later.
   void find_open(std::span<const ContactRows> rows, const ContactKernels& kernels,
                  BodyNumbers bodies, double slow, bool first);
-  /// Leave those that make up the next round.
+  /// Keeps only the rows of the next round.
   /// @return whether some body has two rows in it
   bool take_round(std::span<ContactRows> rows);
 
@@ -55,9 +55,9 @@ class ContactImpacts {
   detail::SparseArray<Twist> before_;  ///< by body
   detail::SparseArray<double>
       reached_;  ///< m/s, by body: fastest approach in open rows; 0, in none
-  detail::SparseArray<std::uint8_t> moved_;  ///< by body: in this round
+  detail::SparseArray<std::uint8_t> moved_;  ///< by body: 1 = in this round
   std::vector<Open> open_;                   ///< in order
-  std::span<const std::uint32_t> order_;     ///< of blocks; empty: as they lie
+  std::span<const std::uint32_t> order_;     ///< of blocks; empty: ascending
 };
 
 }  // namespace tandem::pbd

@@ -20,28 +20,28 @@
 
 namespace tandem::pbd {
 
-/// The contact of a pair in this step keeps the forces of its points.
-/// @param old  that of the last step, which may be the same one
+/// Carries the forces of a pair's points over to its contact in this step.
+/// @param old  contact in the last step; may be the same object
 void follow(const Manifold& manifold, const Contact& old, Contact& contact);
-/// What friction the next step starts from: see kFrictionShare.
+/// Sets the friction that the next step starts from: see kFrictionShare.
 void carry_friction(Contact& contact, double twist);
 
-/// The rows of a group while it is solved, and what is found out on the way.
+/// The rows of a group while it is solved, and its statistics.
 struct ContactGroup {
   std::vector<ContactRows> room;
-  std::span<ContactRows> rows;  ///< by place in the order
+  std::span<ContactRows> rows;  ///< in block order
   ContactConvergence convergence;
   ContactImpacts impacts;
   std::vector<double> sums;  ///< by worker, scratch
   int budget_spent = 0;      ///< rows of refinement, see ContactBlock::Impl::spent()
-  bool turned = false;       ///< poses have been advanced since rows were made or renewed
-  bool joined = false;       ///< some row is of a body on joints
-  // Of all groups in this step that were solved here:
+  bool turned = false;       ///< poses have moved since rows were made or renewed
+  bool joined = false;       ///< some row has a body with joints
+  // Sums over all groups that were solved here in this step:
   int extra_rows = 0;    ///< swept again
-  int refined_rows = 0;  ///< of substeps beyond those of the solver
+  int refined_rows = 0;  ///< in substeps beyond the solver's
   int open_rows = 0;     ///< left unsolved, in the worst substep
 
-  /// Room for any group of those that are solved at once: which ones come is not known.
+  /// Reserves for any group that may be solved at once; which ones is not known in advance.
   void reserve(std::size_t blocks, std::size_t bodies, bool bounces) {
     if (blocks > 0) {
       make_room(blocks);
@@ -51,26 +51,26 @@ struct ContactGroup {
   }
   void make_room(std::size_t blocks) {
     if (blocks <= room.capacity()) return;
-    room = {};  // made anew for each group: nothing has to be copied, or be there twice
+    room = {};  // freed first: there is nothing to copy
     room.reserve(blocks + blocks / 4);
   }
 };
 
 struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   static constexpr std::size_t kAhead = 2;         ///< blocks of rows
-  static constexpr std::size_t kGrain = 64;        ///< contacts given to a worker at a time
-  static constexpr std::size_t kBriefGrain = 512;  ///< where little is done with each
+  static constexpr std::size_t kGrain = 64;        ///< contacts per chunk of a worker
+  static constexpr std::size_t kBriefGrain = 512;  ///< the same for cheap passes
 
   std::vector<Contact> contacts;         ///< by ascending key; between steps see kept()
-  std::vector<Contact> next_contacts;    ///< scratch of follow_all(), where there are workers
-  std::vector<std::uint32_t> old_place;  ///< where each was in the last step, or kNone
-  std::vector<std::uint8_t> goes_on;     ///< by contact of the last step
+  std::vector<Contact> next_contacts;    ///< scratch of follow_all() with workers
+  std::vector<std::uint32_t> old_place;  ///< index of each in the last step, or kNone
+  std::vector<std::uint8_t> goes_on;     ///< by contact of the last step: it persists
   std::vector<ContactBrief> brief_list;  ///< see briefs()
   bool briefs_are_old = false;
-  std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty where it is by key
+  std::vector<std::uint32_t> sequence;  ///< contacts by Manifold::order; empty: by key
   std::vector<std::pair<std::uint64_t, std::uint32_t>> ranks;  ///< scratch of put_in_sequence()
   ByBody by_body;                                              ///< contacts; see named()
-  bool gone = false;                   ///< some contacts name no bodies any more
+  bool gone = false;                   ///< some contacts name removed bodies
   std::vector<std::uint32_t> changed;  ///< bodies that lost a load, until the next step
   std::vector<std::uint8_t>
       pushed;                 ///< by body: has v_push or w_push in this substep; 0 between steps
@@ -79,7 +79,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   ContactStatics statics;
   ContactCells cells;
   ContactOrder order;
-  std::vector<ContactGroup> groups;  ///< those that are solved at once: by worker
+  std::vector<ContactGroup> groups;  ///< groups that are solved at once: by worker
   ContactRefinement refinement;
   struct Level {
     int substeps = 0;
@@ -89,9 +89,9 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   ContactOptions options;
   const ContactKernels* kernels = &contact_kernels(0);
   int extra_rows = 0;      ///< rows swept again in this step
-  int refined_rows = 0;    ///< rows of substeps beyond those of the solver
-  int refused_rows = 0;    ///< the same, wanted for the next step and not given
-  int open_rows = 0;       ///< rows that were left unsolved, in the worst substep
+  int refined_rows = 0;    ///< rows of substeps beyond the solver's
+  int refused_rows = 0;    ///< such rows, wanted for the next step and refused
+  int open_rows = 0;       ///< rows left unsolved, in the worst substep
   int least_substeps = 1;  ///< the solver's
   double residual = 0.0;
   double last_h = 0.0;  ///< s, length of a substep in the last step; 0: there was none
@@ -117,7 +117,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     }
   }
 
-  /// The contacts without those of bodies that have been removed since the last step.
+  /// The contacts, without those of bodies removed since the last step.
   std::vector<Contact>& kept() {
     if (!gone) return contacts;
     gone = false;
@@ -144,11 +144,11 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
   }
   void match(std::span<const Manifold> manifolds, Workers& workers);
   void follow_all(std::span<const Manifold> manifolds, Workers& workers);
-  /// @param into  contacts, where none moves, or next_contacts
+  /// @param into  contacts, if none moves, or next_contacts
   void follow_at_once(std::span<const Manifold> manifolds, std::span<Contact> into,
                       Workers& workers);
   void follow_in_turn(std::span<const Manifold> manifolds);
-  /// Made when it is first asked for after a step.
+  /// Made on demand after a step.
   const ByBody& named() {
     by_body.renew([&] {
       for (std::uint32_t k = 0; k < contacts.size(); ++k) {
@@ -157,17 +157,17 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     });
     return by_body;
   }
-  /// A contact without a successor: what it held up has to wake.
+  /// A contact without a successor: the bodies that it supported must wake.
   void note_lost(const Contact& lost) {
     if (!lost.loaded() || !(lost.warm_start_scale > 0.0)) return;
     changed.push_back(lost.manifold.body_a);
     changed.push_back(lost.manifold.body_b);
   }
 
-  /// What a much shorter step ends with is what stopped the last of a motion, over its length: no
-  /// load. Awake contacts become new ones, whose loads ContactStatics guesses. Stacks of eight
-  /// under steps of 1e-12 to 0.2 s move by up to 60 % of an edge without; by less than 0.5 % for
-  /// ratios from 1.2 to 100.
+  /// The force at the end of a much shorter step is no load: it is the impulse that stopped a
+  /// motion, over the step's length. Awake contacts become new ones, whose loads ContactStatics
+  /// guesses. Without this, stacks of eight under steps of 1e-12 to 0.2 s move by up to 60 % of an
+  /// edge; by less than 0.5 % for ratios from 1.2 to 100.
   void forget_loads(const SubstepContext& ctx) {
     constexpr double kMuchLonger = 10.0;
     const bool much_longer = last_h > 0.0 && ctx.h > kMuchLonger * last_h;
@@ -187,7 +187,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     };
     sequence.clear();
     if (std::is_sorted(contacts.begin(), contacts.end(), before)) return;
-    ranks.clear();  // beside each other: contacts lie all over the memory
+    ranks.clear();  // gathered: contacts are scattered in memory
     for (std::uint32_t i = 0; i < contacts.size(); ++i) {
       ranks.emplace_back(contacts[i].manifold.order, i);
     }
@@ -195,7 +195,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     for (const auto& [rank, contact] : ranks) sequence.push_back(contact);
   }
 
-  /// What lies all over the memory is on its way when its turn comes.
+  /// Prefetch: bodies are scattered in memory.
   static void prefetch_bodies(std::span<const ContactRows> rows, std::size_t k, bool reverse,
                               BodyNumbers bodies) {
     if (reverse ? k < kAhead : k + kAhead >= rows.size()) return;
@@ -208,8 +208,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     }
   }
 
-  /// The same for the contacts that a block is to be made of, and for their bodies once these are
-  /// known.
+  /// Prefetch: the contacts for a block, and their bodies once known.
   void prefetch_contacts(std::span<const std::uint32_t> block) const {
     for (const std::uint32_t i : block) {
       if (i == ContactOrder::kNone) break;
@@ -224,7 +223,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
       prefetch_all(bodies[contacts[i].manifold.body_b]);
     }
   }
-  /// The points of the contacts of the block after the next one.
+  /// Prefetch: the points of the contacts of the block after the next one.
   void prefetch_anchors(std::span<const ContactRows> rows, const ContactRows& block) const {
     const std::size_t soon = static_cast<std::size_t>(&block - rows.data()) + kAhead;
     if (soon >= rows.size()) return;
@@ -232,7 +231,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
       prefetch_all(contacts[contact].manifold.points);
     }
   }
-  /// What a block that is solved will write into its contacts.
+  /// Prefetch: the places in contacts that a solved block writes to.
   void prefetch_results(const ContactRows& block) const {
     for (std::size_t lane = 0; lane < block.count; ++lane) {
       const auto* results = reinterpret_cast<const char*>(&contacts[block.contact[lane]].force);
@@ -246,7 +245,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
   }
 
-  /// Call visit(rows) for all blocks of rows of the group, shared out among workers.
+  /// Calls visit(rows) for all blocks of rows of the group, divided among workers.
   void for_rows(const SubstepContext& ctx, auto&& visit) {
     const std::span<ContactRows> rows = group(ctx).rows;
     ctx.workers->for_chunks(rows.size(), kGrain / kLanes,
@@ -255,7 +254,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
                             });
   }
 
-  /// The rows that hold what displaces their bodies.
+  /// Lanes with a body whose displacement is held.
   static LaneMask held(const ContactRows& each, const SubstepContext& ctx) {
     LaneMask lanes = 0;
     for (std::size_t i = 0; ctx.shared && i < each.count; ++i) {
@@ -264,7 +263,7 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     }
     return lanes;
   }
-  /// See ContactKernels::push, hold: rows meant, and those whose bodies are pushed.
+  /// See ContactKernels::push and hold; marks the bodies that they move.
   void push(const ContactRows& each, LaneMask meant, decltype(ContactKernels::push) act,
             BodyNumbers bodies) {
     LaneMask asked = meant;
@@ -275,13 +274,13 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     if (asked == 0) return;
     const LaneMask acted = act(each, asked, bodies);
     for (std::size_t i = 0; i < each.count; ++i) {
-      // What cannot move may be shared by rows that are solved at once.
+      // Immovable bodies may be shared by rows that are solved at once.
       if ((acted & each.a_moves) >> i & 1u) pushed[each.a[i]] = 1;
       if ((acted & each.b_moves) >> i & 1u) pushed[each.b[i]] = 1;
     }
   }
 
-  /// Contacts by the substeps that their groups take, after each step's order is known.
+  /// Counts contacts by the substeps of their groups, once the order of the step is known.
   void count_levels(std::span<const GroupFacts> all) {
     levels.clear();
     for (std::uint32_t g = 0; g < all.size(); ++g) {
@@ -296,9 +295,8 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     }
   }
   int rows_beyond(int rows, int substeps) const { return rows * (substeps - least_substeps); }
-  /// Rows of substeps beyond the solver's that the budget has had before a group: those of groups
-  /// with fewer substeps, and of this one as if all of its level were like it, so that it does not
-  /// matter which of them comes first.
+  /// Budget of further rows that is spent before a group: by groups with fewer substeps, and by
+  /// this one as if all of its level were like it, so that their order does not matter.
   int spent(const SubstepContext& ctx) const {
     int below = 0;
     for (const Level& level : levels) {
@@ -307,26 +305,25 @@ struct __attribute__((visibility("hidden"))) ContactBlock::Impl {
     const int own = rows_beyond(order.row_count(ctx.group), ctx.substeps);
     return below + static_cast<int>(own / ctx.share_of_budget);
   }
-  /// Rows of a step that may be swept on, or be struck by blows, for each of its substeps.
-  /// @param spent  of the budget
+  /// Rows that may be swept again, or hit by impacts, per substep of a step.
+  /// @param spent  part of the budget
   int rows_to_sweep(int spent, const SubstepContext& ctx) const {
     constexpr int kPart = 6;  // see ContactOptions::extra_rows
     const int left = std::max(0, options.extra_rows - spent) / (kPart * ctx.substeps);
     return static_cast<int>(ctx.share_of_budget * left);
   }
 
-  /// Make the rows of the group that is to be solved next.
+  /// Makes the rows of the group that is solved next.
   void make_rows(const SubstepContext& ctx);
-  /// Rows of bodies whose spin changes by itself are those of where they turn to: an axis that has
-  /// turned takes the spin with it, which arms and inertia of another pose take for a blow. A dowel
-  /// of 1 x 60 cm that rolls at 1 m/s and yaws by 0.5 rad/s had 1e5 times its energy after 5 s so.
-  /// So are those of bodies that joints have turned: what takes energy by the inertia of one pose
-  /// adds some by that of another, and joints and contacts took turns at it. In a substep links
-  /// turn by 0.05 rad, but in a step of 1/30 s by 7: a chain of 11 that whips came from 130 to
-  /// 3500 J within ten of its 128 substeps.
+  /// Renews the rows of bodies that torque-free rotation or joints have turned. Arms and inertia of
+  /// the old pose would take the turn of the spin axis for an impact: a dowel of 1 x 60 cm that
+  /// rolls at 1 m/s and yaws by 0.5 rad/s had 1e5 times its energy after 5 s. With joints, an
+  /// impulse that removes energy by the inertia of one pose adds some by that of another, and
+  /// joints and contacts alternate: links turn by 0.05 rad in a substep, but in a step of 1/30 s by
+  /// 7, and a whipping chain of 11 went from 130 to 3500 J within ten of its 128 substeps.
   void renew_rows(const SubstepContext& ctx);
 
-  /// m/s
+  /// m/s, largest change of a normal velocity in the last sweep.
   double largest_change(const SubstepContext& ctx) {
     ContactGroup& own = group(ctx);
     own.sums.assign(static_cast<std::size_t>(ctx.workers->count()), 0.0);

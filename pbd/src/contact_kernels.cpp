@@ -7,14 +7,14 @@
 namespace tandem::pbd {
 namespace {
 
-/// Two numbers at once, in builds for wider vectors, too.
+/// Two numbers at once, also in builds for wider vectors.
 constexpr bool kTwo = xsimd::batch<double, xsimd::default_arch>::size == 2;
 using Narrow = std::conditional_t<kTwo, xsimd::default_arch, xsimd::sse2>;
 
 }  // namespace
 
 #if TANDEM_AVX2
-/// Compiled for processors that have AVX2.
+/// Compiled for processors with AVX2.
 const ContactKernels& avx2_kernels();
 #endif
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What is done with rows, for A::size of them at once.
+// Operations on rows, A::size of them at once.
 #pragma once
 
 #include "contact_blow.h"
@@ -10,8 +10,8 @@
 
 namespace tandem::pbd::kernel {
 
-/// Call `visit.operator()<B>(at)` for the batches that these lanes lie in.
-/// @tparam Half  for lanes that lie in one half of the others' batch
+/// Calls `visit.operator()<B>(at)` for the batches with these lanes.
+/// @tparam Half  used for lanes that lie in one half of a batch
 template <class A, class Half, class Visit>
 void for_batches(LaneMask lanes, Visit&& visit) {
   constexpr std::size_t half = kLanes / 2;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Compiled for AVX2. The linker keeps one of all functions of a name, and takes them for equal:
-// what comes in here has no name that others know, or a machine without AVX may get it.
+// Compiled for AVX2. The linker keeps one of several functions with the same name: all that is
+// included here must have names of its own, or machines without AVX may run AVX code.
 #include "contact_kernels.h"
 
 namespace tandem::pbd {
 namespace {
 
-// Instruction sets of this source alone, and so are all functions that are made of them.
+// Instruction sets with names of this source alone, and so all functions instantiated with them.
 struct Wide : xsimd::avx2 {};
 struct Half : xsimd::sse4_2 {};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Vectors of lanes, and bodies read into them. V is a batch of xsimd's, of 2 or 4 numbers.
+// Vectors of lanes, and bodies read into them. V is an xsimd batch of 2 or 4 numbers.
 #pragma once
 
 #include <concepts>
@@ -57,7 +57,7 @@ void store(const V& value, Lanes& lanes, std::size_t at) {
   value.store_aligned(lanes.data() + at);
 }
 
-/// As x < y ? x : y, whatever an instruction set does with numbers that have no order.
+/// Same as x < y ? x : y, on every instruction set, also with NaN.
 template <class V>
 V least(const V& x, const V& y) {
   return xsimd::select(x < y, x, y);
@@ -67,11 +67,11 @@ V most(const V& x, const V& y) {
   return xsimd::select(x > y, x, y);
 }
 
-/// Where the numbers of each lane of a batch begin.
+/// Pointers to the first number of each lane of a batch.
 template <class A>
 using From = std::array<const double*, xsimd::batch<double, A>::size>;
 
-/// Four numbers of each lane, from number `n` on, number by number.
+/// Four consecutive numbers of each lane, from number `n` on, transposed.
 template <class A>
 struct Columns {
   using V = xsimd::batch<double, A>;
@@ -83,7 +83,7 @@ struct Columns {
     const V r = V::load_unaligned(from[0] + n + 2), s = V::load_unaligned(from[1] + n + 2);
     return {zip_lo(p, q), zip_hi(p, q), zip_lo(r, s), zip_hi(r, s)};
   }
-  /// Two numbers of lane i of this batch.
+  /// Writes two numbers of lane i of this batch.
   static void write(const V& l, const V& r, std::size_t i, double* to) {
     (i == 0 ? zip_lo(l, r) : zip_hi(l, r)).store_unaligned(to);
   }
@@ -112,7 +112,7 @@ struct Columns<A> {
 };
 #endif
 
-/// One side of V::size rows: bodies' velocities, read, changed and written back.
+/// One side of V::size rows: reads, changes and writes the velocities of its bodies.
 template <class A, Velocities velocities>
 class Side {
  public:
@@ -142,7 +142,7 @@ class Side {
     const auto x = read(BodyNumbers::kX);
     return {x.c0, x.c1, x.c2};
   }
-  /// A vector (world) in the frames of the bodies.
+  /// A world vector in the frames of the bodies.
   V3<V> to_local(const V3<V>& v) const {
     const auto q = read(BodyNumbers::kQ);
     const V3<V> u{q.c0, q.c1, q.c2};
@@ -158,7 +158,7 @@ class Side {
     angular_.c0 += angular.y;
     angular_.c1 += angular.z;
   }
-  /// To those bodies that move.
+  /// Writes the bodies that move.
   void write(unsigned moves) const {
     for (std::size_t i = 0; i < V::size; ++i) {
       if ((moves >> (at_ + i) & 1u) == 0) continue;
@@ -186,7 +186,7 @@ class Side {
 
   std::array<double*, V::size> from_;
   std::size_t at_;
-  std::size_t first_;  ///< number of the first velocity
+  std::size_t first_;  ///< index of the first velocity number
   Columns<A> linear_;
   Columns<A> angular_;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The normals of manifolds, each solved together.
+// The normals of a manifold, solved together.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace tandem::pbd::kernel {
 
-/// One number for each of the four points of a manifold.
+/// One number per point of a manifold.
 template <class V>
 struct Four {
   V p[4];
@@ -28,7 +28,7 @@ V dot(const Four<V>& l, const Four<V>& r) {
   return (l[0] * r[0] + l[1] * r[1]) + (l[2] * r[2] + l[3] * r[3]);
 }
 
-/// Symmetric; the lower triangle.
+/// Symmetric 4 x 4; the lower triangle.
 template <class V>
 struct Sym4 {
   V m00, m10, m11, m20, m21, m22, m30, m31, m32, m33;
@@ -40,7 +40,7 @@ struct Sym4 {
   }
 };
 
-/// x with m x = r, m positive definite: L D L^T, written out.
+/// x with m x = r, m positive definite: L D L^T, unrolled.
 template <class V>
 Four<V> solve_symmetric(const Sym4<V>& m, const Four<V>& r) {
   const V one(1.0);
@@ -64,18 +64,18 @@ Four<V> solve_symmetric(const Sym4<V>& m, const Four<V>& r) {
   return x;
 }
 
-/// Solve  0 <= z + d  _|_  e + B d >= 0  for d, the change of the multipliers z (N s) of as many
-/// points with velocities e (m/s) and the mobility B (1/kg, positive semi-definite). Points that
-/// are not there have z = 0.
-/// Principal pivoting: guess which points carry a load, solve, exchange those on the wrong side;
-/// all at once at first, one at a time later, which cannot cycle.
+/// Solves  0 <= z + d  _|_  e + B d >= 0  for d, the change of the multipliers z (N s) of points
+/// with velocities e (m/s) and the mobility B (1/kg, positive semi-definite). Absent points have z
+/// = 0.
+/// Principal pivoting: guess which points carry a load, solve, exchange those on the wrong side; at
+/// first all at once, later one at a time, which cannot cycle.
 /// Source: [murty1974] for one at a time.
-/// @param there  which points there are
+/// @param there  the points in use
 template <class V>
 Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const Four<V>& z,
                   const Four<V>& e) {
-  // Added to the diagonal as a share of it: three points on a line, or bodies that cannot turn,
-  // leave B singular. It acts on the change only, so repeated solves converge to the rigid answer.
+  // Share added to the diagonal: three points on a line, or bodies that cannot turn, make B
+  // singular. It acts on the change only, so repeated solves converge to the rigid solution.
   const V ridged(1.0 + 1e-6);
   constexpr int kAtOnce = 3;
   constexpr int kMax = 16;
@@ -88,13 +88,13 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
     fastest = most(fastest, xsimd::select(there[i], xsimd::abs(e[i]), zero));
   }
   const V slowest = V(-1e-9) * fastest;
-  // Both ways below have the same bits, signs of zeros too: it depends on the width who else is
-  // asked, and with that which way is taken.
+  // Both paths below give the same bits, signs of zeros included: which one is taken depends on the
+  // other rows of the batch, and so on its width.
   const auto unsigned_zeros = [&](const Four<V>& d) {
     return Four<V>{{d[0] + zero, d[1] + zero, d[2] + zero, d[3] + zero}};
   };
   if (xsimd::all((loaded[0] & loaded[1]) & (loaded[2] & loaded[3]))) {
-    // What rests on four points each: the first round below, without what it leaves open.
+    // Fast path: all four points are loaded. The first round below, without its other cases.
     const Four<V> d = solve_symmetric<V>({ridged * B.m00, B.m10, ridged * B.m11, B.m20, B.m21,
                                           ridged * B.m22, B.m30, B.m31, B.m32, ridged * B.m33},
                                          {{-e[0], -e[1], -e[2], -e[3]}});
@@ -105,7 +105,7 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
   Four<V> out{{zero, zero, zero, zero}};
   Mask<V> wrong = zero == zero;
   for (int iteration = 0; iteration < kMax; ++iteration) {
-    // Points without a load drop theirs; the others answer for that.
+    // Unloaded points drop their impulses; the others respond to that.
     Four<V> dropped, r, share;
     for (std::size_t i = 0; i < 4; ++i) {
       dropped[i] = xsimd::select(loaded[i], zero, -z[i]);
@@ -142,9 +142,9 @@ Four<V> solve_lcp(const std::array<Mask<V>, 4>& there, const Sym4<V>& B, const F
   return unsigned_zeros(out);
 }
 
-/// Rigid points in a plane leave one combination of their loads open (two opposite corners up, two
-/// down). Unsettled it wanders until one point lets go, and a tall stack rocks itself over: where
-/// all four carry, they share as evenly as they can. Nothing is moved by that. What is even to 1e-6
+/// Rigid points in a plane leave one combination of their loads undetermined (two opposite corners
+/// up, two down). It would drift until one point lets go, and a tall stack would rock itself over:
+/// if all four carry, they share as evenly as they can. This moves nothing. Unevenness below 1e-6
 /// is left: at rest that saves 2 % of a stack's instructions.
 /// @param u  the combination, of unit length, or zero
 template <class V>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Which contacts of a step are those of the last one.
+// Matches the contacts of a step with those of the last one.
 #include <algorithm>
 #include <atomic>
 
@@ -11,7 +11,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// Of equal keys: whether they stand for the same shapes of the same bodies.
+/// Whether manifolds of equal key belong to the same shapes of the same bodies.
 bool same_pair(const Manifold& old, const Manifold& m) {
   return old.body_a == m.body_a && old.body_b == m.body_b &&
          (old.version == m.version || old.version == Manifold::kAnyVersion);
@@ -37,7 +37,7 @@ void ContactBlock::set_manifolds(std::vector<Manifold>& manifolds, Workers& work
   manifolds.clear();
 }
 
-/// Of the last step's contacts those that are still there, and loads that are gone.
+/// Finds which contacts of the last step persist, and which loads are lost.
 void ContactBlock::Impl::match(std::span<const Manifold> manifolds, Workers& workers) {
   std::atomic<bool> friction{false}, restitution{false};
   old_place.resize(manifolds.size());
@@ -48,7 +48,7 @@ void ContactBlock::Impl::match(std::span<const Manifold> manifolds, Workers& wor
     auto old = std::lower_bound(
         contacts.begin(), contacts.end(), manifolds[begin].key,
         [](const Contact& contact, std::uint64_t key) { return contact.manifold.key < key; });
-    // Equal keys one by one: each contact goes on as one.
+    // Equal keys are matched in order, one by one.
     for (std::size_t i = begin; i > 0 && manifolds[i - 1].key == manifolds[begin].key; --i) {
       if (old != contacts.end() && old->manifold.key == manifolds[begin].key) ++old;
     }
@@ -109,8 +109,8 @@ void ContactBlock::Impl::follow_at_once(std::span<const Manifold> manifolds,
   });
 }
 
-/// In place, each where nothing is that is still wanted: first what moves down, the lowest first,
-/// then what moves up, the highest first, and new ones last.
+/// In place: first contacts that move down, from the lowest, then those that move up, from the
+/// highest, then new ones, so that nothing needed is overwritten.
 void ContactBlock::Impl::follow_in_turn(std::span<const Manifold> manifolds) {
   const std::size_t size = manifolds.size();
   if (size > contacts.size()) contacts.resize(size);
@@ -141,12 +141,12 @@ void ContactBlock::adopt(std::span<const Contact> contacts) {
   impl_->briefs_are_old = true;
   const auto old_end = static_cast<std::ptrdiff_t>(own.size());
   own.insert(own.end(), contacts.begin(), contacts.end());
-  // What stands for a shape elsewhere has another version there.
+  // Versions from another block mean nothing here.
   for (auto i = own.begin() + old_end; i != own.end(); ++i) {
     i->manifold.version = Manifold::kAnyVersion;
   }
   std::stable_sort(own.begin() + old_end, own.end(), by_key);
-  // Equal ones: those that were here come first.
+  // Of equal keys, those that were here come first.
   std::inplace_merge(own.begin(), own.begin() + old_end, own.end(), by_key);
   const auto last = std::unique(own.begin(), own.end(), [](const Contact& l, const Contact& r) {
     return l.manifold.key == r.manifold.key;

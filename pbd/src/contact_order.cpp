@@ -8,18 +8,18 @@
 namespace tandem::pbd {
 namespace {
 
-/// Kinds of rows in a level: of one point, and faces.
+/// Kinds of rows in a level: single points, and faces.
 constexpr std::uint32_t kKinds = 2;
 
 constexpr std::uint32_t kBlock = kLanes;
 
-/// Contacts of a level in a part, in the mean and at least. Where a level is narrow a part waits
-/// for its neighbours at each: a pyramid of base 100 (37 contacts a level) takes 1.4 times less
-/// time in 2 parts than in one, and no less in 4; a heap of 8000 cubes (93 a level) 2.4 times in
-/// 8, 2.6 in 16.
+/// Smallest mean number of contacts of a level in a part. In narrow levels a part waits for its
+/// neighbours at each: a pyramid of base 100 (37 contacts a level) takes 1.4 times less time in 2
+/// parts than in one, and no less in 4; a heap of 8000 cubes (93 a level) 2.4 times in 8, 2.6 in
+/// 16.
 constexpr std::uint32_t kWide = 14;
 
-/// Call visit(body) for the ends of a row that can move.
+/// Calls visit(body) for the movable ends of a row.
 void for_moving(const ContactLink& link, auto&& visit) {
   if (link.moves_a) visit(link.a);
   if (link.moves_b) visit(link.b);
@@ -48,7 +48,7 @@ void ContactOrder::build(std::span<const ContactLink> sequence, const ContactCel
   }
 }
 
-/// Levels: one above the rows before that share a body.
+/// Level of a row: one above the earlier rows that share a body.
 void ContactOrder::find_levels(std::span<const ContactLink> sequence,
                                std::span<const std::uint32_t> movers) {
   for (const std::uint32_t i : movers) last_of_body_[i] = 0;
@@ -67,7 +67,7 @@ void ContactOrder::find_levels(std::span<const ContactLink> sequence,
   }
 }
 
-/// Counting sort by group, level and kind; of equal ones by cell, then they stay in sequence.
+/// Counting sort by group, level and kind; ties by cell, then by sequence.
 void ContactOrder::lay_out(std::span<const ContactLink> sequence, const ContactCells& cells) {
   std::uint32_t levels = 0;
   for (Group& group : groups_) {
@@ -109,8 +109,8 @@ void ContactOrder::sort_by_cell(std::span<const ContactLink> sequence, const Con
   for (std::uint32_t i = 0; i < sequence.size(); ++i) by_cell_[start[cells.of(sequence[i])]++] = i;
 }
 
-/// Blocks of a part beside each other, each part's by level. In a level those come first that share
-/// a body with another part: while a worker is at the others, its neighbours find them done.
+/// Stores the blocks of a part next to each other, by level. Within a level, blocks that share a
+/// body with another part come first, so that neighbouring workers find them done.
 void ContactOrder::divide(Group& group, std::uint32_t parts, std::span<const ContactLink> sequence,
                           const ContactCells& cells) {
   const std::uint32_t blocks = group.end - group.begin;
@@ -153,7 +153,7 @@ void ContactOrder::divide(Group& group, std::uint32_t parts, std::span<const Con
   });
 }
 
-/// Call visit(earlier, later) for blocks that follow each other at a body.
+/// Calls visit(earlier, later) for consecutive blocks of a body.
 void ContactOrder::for_neighbours(std::span<const std::uint32_t> places,
                                   std::span<const ContactLink> sequence, auto&& visit) {
   for (const std::uint32_t place : places) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What the kernels of rows have in common: their bodies, their responses, their faces.
+// Common parts of the kernels: bodies, responses and faces of rows.
 #pragma once
 
 #include "contact_friction.h"
@@ -18,7 +18,7 @@ unsigned bits_of(const Mask<V>& mask, std::size_t at) {
   return out;
 }
 
-/// The bodies of rows, read at once, in the rows' frames.
+/// The bodies of several rows, in the rows' frames.
 template <class A, Velocities velocities = Velocities::Now>
 struct Pair {
   using V = xsimd::batch<double, A>;
@@ -34,15 +34,15 @@ struct Pair {
         a(rows.a, at, bodies),
         b(rows.b, at, bodies) {}
 
-  /// m/s, of b against a at the centre of pressure, world.
+  /// m/s, of b relative to a at the centre of pressure, world.
   V3<V> velocity() const { return b.v() - a.v() + cross(b.w(), arm_b) - cross(a.w(), arm_a); }
   V3<V> spin() const { return b.w() - a.w(); }
 
-  /// Change both bodies' velocities by a force (N s) and a couple (N m s) on b at the centre of
+  /// Changes both bodies' velocities by a force (N s) and a couple (N m s) on b at the centre of
   /// pressure, world, and their opposites on a.
-  /// @tparam couples  else there is none
-  /// @param lanes  the rows that do so: even adding 0 could change a bit
-  /// @param share_a  of the inverse mass and inertia of a that counts
+  /// @tparam couples  whether there is a couple
+  /// @param lanes  the rows concerned: adding 0 to the others could change bits
+  /// @param share_a  effective share of a's inverse mass and inertia
   template <bool couples>
   [[gnu::always_inline]] void apply(const ContactRows& rows, unsigned lanes, const V3<V>& force,
                                     const V3<V>& couple, const V& share_a = V(1.0),
@@ -71,7 +71,7 @@ struct Responses {
   V tn_2n = V(0.0), tn_21 = V(0.0), tn_22 = V(0.0);
   V tn_nn = V(0.0), tn_n1 = V(0.0), tn_n2 = V(0.0);  ///< of W_n
 
-  /// Add those of a body, of whose inverse mass and inertia a share counts.
+  /// Adds the response of a body; a share of its inverse mass and inertia counts.
   template <class Body>
   void add(const V& share, const Body& body, const V3<V>& arm, const V3<V>& n, const V3<V>& t1,
            const V3<V>& t2) {
@@ -111,7 +111,7 @@ struct Responses {
   }
 };
 
-/// The normals of faces: what the points of a manifold have in common.
+/// The normals of faces: data common to the points of a manifold.
 template <class V>
 struct Face {
   std::array<Mask<V>, 4> there;
@@ -144,7 +144,7 @@ struct Face {
   }
 };
 
-/// The responses as they were prepared.
+/// The responses that prepare() stored.
 template <class V, bool faces>
 [[gnu::always_inline]] inline Responses<V> responses(const ContactRows& rows, std::size_t at) {
   Responses<V> m;
@@ -174,7 +174,7 @@ template <class V, bool faces>
   return m;
 }
 
-/// The lanes from `at` on whose bit is set.
+/// Mask of the lanes from `at` on whose bit is set.
 template <class V>
 Mask<V> lanes_of(LaneMask mask, std::size_t at) {
   static constexpr auto kSets = [] {
@@ -187,7 +187,7 @@ Mask<V> lanes_of(LaneMask mask, std::size_t at) {
   return load<V>(kSets[mask & kAllLanes], at) > V(0.0);
 }
 
-/// Change of the multiplier z of a point alone, whose velocity is e and its mobility m.
+/// Change of the multiplier z of a single point with velocity e and mobility m.
 template <class V>
 V solve_point(const V& m, const V& z, const V& e) {
   return most(-z, xsimd::select(m > V(0.0), -e / m, V(0.0)));

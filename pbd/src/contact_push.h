@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Rows on displacements: overlaps that are opened, and what targets ask for is held against
-// contacts.
+// Rows on displacements: opening of overlaps, and holding of target displacements against contacts.
 #pragma once
 
 #include "contact_pair.h"
 
 namespace tandem::pbd::kernel {
 
-/// @tparam holds  against targets; else overlaps are opened
+/// @tparam holds  holds displacements; else opens overlaps
 template <class A, bool faces, bool holds>
 [[gnu::flatten]] LaneMask push(const ContactRows& rows, std::size_t at, LaneMask asked,
                                BodyNumbers bodies) {
@@ -28,7 +27,7 @@ template <class A, bool faces, bool holds>
     for (std::size_t i = 0; i < 4; ++i) e[i] += w1 * face.s[i] + w2 * face.r[i];
   }
   if constexpr (holds) {
-    // Of a gap they may have what the bodies' own motion leaves.
+    // The displacement may use the part of a gap that the bodies' own motion leaves.
     const Pair<A, Velocities::Applied> own(rows, at, bodies);
     const V own_n = dot(pair.n, own.velocity());
     V own_1 = zero, own_2 = zero;

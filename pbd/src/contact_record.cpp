@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What contacts carry: from step to step, as bytes in snapshots and where one changes hands, and as
+// Carried state of contacts: from step to step, as bytes in snapshots and at hand-over, and in
 // copies.
 #include <algorithm>
 #include <cmath>
@@ -15,16 +15,16 @@
 namespace tandem::pbd {
 namespace {
 
-/// m: where a feature id is new, a point this close to an old one still takes over its force.
+/// m: with a new feature id, a point this close to an old one still takes over its force.
 constexpr double kAnchorMatch = 0.02;
 
-/// The share of a step's change of friction that the next step starts from; what is not carried on
-/// damps. Of nothing, friction starts anew in each step and what is loaded creeps: 900 cubes under
-/// one of 53 times their mass (katamari) move with 24 J for ever, with 0.5 so. All of it is a
-/// spring without a damper: a pyramid of base 30 sways for 10 s and drifts by 2.0 mm, by 0.8 so.
+/// Share of a step's change of friction that the next step starts from; the rest is damping. With
+/// 0, friction starts anew in each step and loaded contacts creep: 900 cubes under one of 53 times
+/// their mass (katamari) move with 24 J for ever, here with 0.5 J. With 1, it is a spring without a
+/// damper: a pyramid of base 30 sways for 10 s and drifts by 2.0 mm, here by 0.8.
 constexpr double kFrictionShare = 0.3;
 
-/// Which of the old points is the new one: of the same feature, or the nearest one close by.
+/// Finds the old point of each new one: same feature, or the nearest one close by.
 std::array<int, 4> match_points(const Manifold& old, const Manifold& m) {
   std::array<int, 4> match{-1, -1, -1, -1};
   std::array<bool, 4> taken{};
@@ -48,7 +48,7 @@ std::array<int, 4> match_points(const Manifold& old, const Manifold& m) {
   return match;
 }
 
-/// Whether what the next step takes from it is made of numbers.
+/// Whether the state that the next step uses is finite.
 bool contact_is_sound(const Contact& contact) {
   const Manifold& m = contact.manifold;
   bool sound = m.normal.allFinite() && m.friction >= 0.0 && contact.warm_start_scale >= 0.0 &&
@@ -64,7 +64,7 @@ bool contact_is_sound(const Contact& contact) {
   return sound;
 }
 
-// To save or to load.
+// Lists fields for saving or loading.
 void contact_fields(auto& io, auto& contact, auto& m) {
   io(m.normal, m.radius_a, m.radius_b, m.friction, m.restitution, contact.approach_speed,
      contact.impulse, contact.warm_start_scale, contact.overlap, contact.friction_force,
@@ -185,7 +185,7 @@ std::unique_ptr<ConstraintBlock> ContactBlock::make_empty() const {
 bool ContactBlock::assign(const ConstraintBlock& source) {
   const auto* other = dynamic_cast<const ContactBlock*>(&source);
   if (other == nullptr) return false;
-  // What is left out is made anew by begin_step().
+  // Fields not copied are set by begin_step().
   Impl& m = *impl_;
   const Impl& from = *other->impl_;
   m.contacts = from.contacts;

@@ -12,20 +12,21 @@ namespace tandem::pbd {
 namespace {
 
 /// An island whose contacts carry n times the weight of the lighter body (rms: a tall stack, a
-/// heavy body on a light one) wants this many times n substeps; a body of the size r wants them
-/// shorter than this share of the time in which it topples, sqrt(r / g): pebbles of a millimetre
-/// rock otherwise, and at a share of 0.08 a pyramid of 5 cm boxes falls in 8 s. Up to a limit.
+/// heavy body on a light one) wants this many times n substeps. A body of size r wants substeps
+/// shorter than this share of the time in which it topples, sqrt(r / g): otherwise pebbles of a
+/// millimetre rock, and at a share of 0.08 a pyramid of 5 cm boxes falls in 8 s. Limited to
+/// kMaxSubsteps.
 constexpr double kSubstepsPerLoad = 1.0 / 11.0;
 constexpr double kFallShare = 0.05;
 constexpr double kMaxSubsteps = 32.0;
-/// m/s, rms: an island that moves faster does not stand. An impact is no load, and only what stands
-/// can fall.
+/// m/s, rms: a faster island does not stand. An impact is no load, and only standing bodies can
+/// fall over.
 constexpr double kStanding = 0.5;
 
-/// Contacts given to a worker at a time.
+/// Contacts per chunk of a worker.
 constexpr std::size_t kShareGrain = 256;
 
-/// Substeps come doubled: those that an island gets that wants this many.
+/// Rounds to the solver's substeps times a power of two.
 int rounded_up(double wanted, int least) {
   int substeps = least;
   while (substeps < wanted) substeps *= 2;
@@ -37,7 +38,7 @@ int rounded_up(double wanted, int least) {
 ContactRefinement::Share ContactRefinement::share_of(const Contact& contact,
                                                      const SubstepContext& ctx) {
   const double gravity = gravity_of(ctx);
-  const double topples = ctx.gravity.norm();  // what floats does not
+  const double topples = ctx.gravity.norm();  // zero for floating bodies, which do not topple
   const std::uint32_t a = contact.manifold.body_a;
   const std::uint32_t b = contact.manifold.body_b;
   const std::uint32_t movable = ctx.bodies[a].inv_mass > 0.0 ? a : b;
@@ -47,7 +48,7 @@ ContactRefinement::Share ContactRefinement::share_of(const Contact& contact,
   const double load = contact.impulse / ctx.h;  // N, mean of the step
   Share share{.island = body.island,
               .ratio2 = load * load * lightness * lightness / (gravity * gravity)};
-  // What cannot turn does not topple.
+  // A body that cannot turn does not topple.
   if (!body.turns_freely && body.inv_inertia_w.isZero(0.0)) return share;
   const ManifoldPoint& point = contact.manifold.points[0];
   const double arm = movable == a ? point.anchor_a_l.norm() + contact.manifold.radius_a
@@ -92,7 +93,7 @@ int ContactRefinement::want(std::span<const Contact> contacts,
     island.wanted = rounded_up(std::min(kMaxSubsteps, island.wanted), ctx.substeps);
     asked += island.contacts * (island.wanted - ctx.substeps);
   }
-  // Where all of them are too many each gets the same share, rounded down.
+  // If they exceed the budget, each gets the same share, rounded down.
   const double share = std::min(1.0, budget / std::max(1.0, asked));
   double given = 0.0;
   for (const std::uint32_t i : ctx.movers) {

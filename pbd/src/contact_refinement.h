@@ -11,10 +11,10 @@
 
 namespace tandem::pbd {
 
-/// Which islands of contacts want more substeps than the solver's: see ConstraintBlock::end_step().
+/// Finds islands that want more substeps than the solver's: see ConstraintBlock::end_step().
 class ContactRefinement {
  public:
-  /// @param sequence  contacts in order; empty where that is as they lie
+  /// @param sequence  contacts in order; empty: ascending
   /// @param budget    rows of further substeps
   /// @return rows that islands wanted beyond the budget
   int want(std::span<const Contact> contacts, std::span<const std::uint32_t> sequence, int budget,
@@ -27,18 +27,18 @@ class ContactRefinement {
     double speed2 = 0.0;  ///< m^2/s^2, sum over bodies
     std::uint32_t bodies = 0;
     std::uint32_t contacts = 0;
-    double for_size = 0.0;  ///< substeps that its smallest body wants
+    double for_size = 0.0;  ///< substeps wanted by its smallest body
     double wanted = 0.0;    ///< substeps
   };
-  /// What a contact adds to its island.
+  /// Contribution of a contact to its island.
   struct Share {
-    std::uint32_t island = 0;  ///< BodyId::kNone: it is not awake
+    std::uint32_t island = 0;  ///< BodyId::kNone: asleep
     double ratio2 = 0.0;
     double for_size = 0.0;
   };
   static Share share_of(const Contact& contact, const SubstepContext& ctx);
 
-  detail::SparseArray<Load> loads_;  ///< by the index of the island's lowest body
+  detail::SparseArray<Load> loads_;  ///< by the island's lowest body
   std::vector<Share> shares_;        ///< by contact
 };
 

@@ -33,7 +33,7 @@ void set_vector(LaneArray<3>& lanes, std::size_t lane, const Vec3& value) {
   for (std::size_t k = 0; k < 3; ++k) lanes[k][lane] = value[static_cast<Eigen::Index>(k)];
 }
 
-/// Lanes from `count` on become as the first.
+/// Lanes from `count` on repeat the first one.
 void repeat_first_of(std::size_t count, Lanes& lanes) {
   for (std::size_t lane = count; lane < kLanes; ++lane) lanes[lane] = lanes[0];
 }
@@ -46,13 +46,13 @@ void repeat_first(std::size_t count, Members&... members) {
   (repeat_first_of(count, members), ...);
 }
 
-/// m, world, from the centre of mass. Balls have theirs in the middle, which does not turn.
+/// m, world, from the centre of mass. The anchor of a ball is its centre, which does not turn.
 [[gnu::always_inline]] inline Vec3 anchor_of(const SolverBody& body, const Vec3& anchor_l) {
   const bool turns = anchor_l.x() != 0.0 || anchor_l.y() != 0.0 || anchor_l.z() != 0.0;
   return turns ? rotate(body.q, anchor_l) : anchor_l;
 }
 
-/// See set_arms().
+/// Implementation of set_arms().
 /// @param t1, t2  of tangent_frame()
 void place_arms(const Contact& contact, std::span<const SolverBody> bodies, const Vec3& t1,
                 const Vec3& t2, ContactRows& rows, std::size_t lane) {
@@ -116,7 +116,7 @@ AnchorNumbers anchors_of(std::span<const Contact> contacts) {
 double gap_of(const Manifold& m, const SolverBody& a, const SolverBody& b, int i) {
   const Vec3 arm_a = anchor_of(a, m.points[i].anchor_a_l);
   const Vec3 arm_b = anchor_of(b, m.points[i].anchor_b_l);
-  // Number by number: vectors that are written so and read in pairs make the processor wait.
+  // Scalar code: reading pairs of numbers that were written singly stalls store forwarding.
   const auto apart = [&](int k) {
     return m.normal[k] * ((b.x[k] + arm_b[k]) - (a.x[k] + arm_a[k]));
   };
@@ -124,8 +124,8 @@ double gap_of(const Manifold& m, const SolverBody& a, const SolverBody& b, int i
 }
 
 ContactArms arms_of(const Manifold& m, const SolverBody& a, const SolverBody& b) {
-  // Half-way between the two anchors, or below the centre of the one that is round, which its
-  // normal must not turn (a ball would speed up as it rolls).
+  // Half-way between the two anchors, or below the centre of the round one, which its normal must
+  // not turn (a ball would speed up as it rolls).
   const bool round_a = m.radius_a > 0.0;
   const bool round_b = m.radius_b > 0.0;
   const double share_b = round_a == round_b ? 0.5 : (round_b ? 1.0 : 0.0);
@@ -212,13 +212,13 @@ double warm_start_scale(const ContactRows& rows, std::size_t lane, double growth
 
 namespace {
 
-/// How far what is handed on may turn a body on joints (rad), or shift it (in radii of gyration),
-/// before these have their say. In eight turns the ground takes from a hand what stops all of a
-/// falling ragdoll; handed on whole, that turns the hand by radians, where no gradient leads back:
-/// 2 of 400 ragdolls came to 1e6 times their energy, and with 0.2 and with 1 none does.
+/// How far a carried impulse may turn a body with joints (rad), or shift it (in radii of gyration),
+/// before joints act. In eight iterations the ground takes from one hand the impulse that stops a
+/// whole falling ragdoll; carried on whole, it turns the hand by radians, beyond the range of the
+/// gradients: 2 of 400 ragdolls came to 1e6 times their energy; with 0.2 and with 1 none does.
 constexpr double kNear = 0.5;
 
-/// What an impulse (N s) at a lane does to one of its bodies in the substep, as kNear measures it.
+/// Motion of a body by an impulse (N s) of a lane in the substep, in the measure of kNear.
 double way_of(const SolverBody& body, const Vec3& arm, const Vec3& impulse, double h) {
   const double turn = h * (body.inv_inertia_w * arm.cross(impulse)).norm();
   const double slowest = body.inv_inertia_w.diagonal().minCoeff();

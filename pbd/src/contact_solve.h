@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Rows on velocities: what is made of them once a step and once a substep, and a turn of a sweep.
-// This is most of a sweep.
+// Rows on velocities: preparation per step and per substep, and a row of a sweep. Most of a sweep's
+// time is spent here.
 #pragma once
 
 #include "contact_pair.h"
 
 namespace tandem::pbd::kernel {
 
-/// @tparam all  whether all rows are asked
+/// @tparam all  whether all rows are prepared
 template <class A, bool faces, bool all>
 [[gnu::flatten]] void prepare(ContactRows& rows, std::size_t at, LaneMask asked,
                               BodyNumbers bodies) {
@@ -38,7 +38,7 @@ template <class A, bool faces, bool all>
   }
 }
 
-/// What begin() finds, as bits.
+/// Results of begin(), as bits.
 struct Begun {
   unsigned penetrating = 0;
   bool bounces = false;
@@ -79,7 +79,7 @@ template <class A, bool faces>
     store(load<V>(rows.pressed, at) + pressed, rows.pressed, at);
     store(most(load<V>(rows.fastest, at), stopped), rows.fastest, at);
   }
-  // What still closes where it carries has not been stopped: see kGrowth.
+  // A loaded point that still closes has not been stopped: see kGrowth.
   V closing = zero - vn;
   if constexpr (faces) {
     for (std::size_t i = 0; i < 4; ++i) {
@@ -103,7 +103,7 @@ template <class A, bool faces>
   for (std::size_t i = 0; i < points; ++i) {
     const Mask<V> there = count > V(static_cast<double>(i));
     const std::size_t point = i * AnchorNumbers::kPoint;
-    const auto first = Columns<A>::read(from, point);  // of a, and x of b
+    const auto first = Columns<A>::read(from, point);  // anchor in a, and x of that in b
     const auto second = Columns<A>::read(from, point + 4);
     const V3<V> anchor_a{first.c0, first.c1, first.c2}, anchor_b{first.c3, second.c0, second.c1};
     const V gap = apart + dot(n_b, anchor_b) - dot(n_a, anchor_a);
@@ -121,8 +121,9 @@ template <class A, bool faces>
     fastest = most(fastest, xsimd::select(there, approach, zero));
     V bounce = zero;
     if (elastic) {
-      // Restitution e is the ratio of energies, e^2, of what semi-implicit Euler conserves in free
-      // fall, v^2 / 2 + a x - a h v / 2, so that the height of a bounce does not depend on h.
+      // Restitution e is the ratio e^2 of energies. The energy is the one that semi-implicit Euler
+      // conserves in free fall, v^2 / 2 + a x - a h v / 2, so that the height of a bounce does not
+      // depend on h.
       const Mask<V> back = there & (restitution > zero) & (approach > V(rule.bounce_speed));
       const V a = load<V>(rows.fall, at);
       const V twice = approach * approach + (a + a) * most(gap, zero) + a * h * approach;
@@ -205,7 +206,7 @@ template <class A>
     z += dz;
     pressed += dz;
     if (xsimd::none(has_friction)) break;
-    // Friction sees what the normal has just done, and the normal what it does.
+    // Friction uses the latest normal impulse, and the normal the latest friction.
     const V v1 = slip_1 + m.tn_1n * pressed + (m.k_tt.m11 * friction_1 + m.k_tt.m12 * friction_2);
     const V v2 = slip_2 + m.tn_2n * pressed + (m.k_tt.m12 * friction_1 + m.k_tt.m22 * friction_2);
     V s1 = f1 - scale * (m.k_tt.m22 * v1 - m.k_tt.m12 * v2);
@@ -257,8 +258,7 @@ template <class A>
       e[i] += closing;
       active = active | (face.there[i] & (e[i] < zero));
     } else {
-      // A point that carries nothing may still close what is left of its gap. A row that carries
-      // nothing at all has no say.
+      // An unloaded point may still close the rest of its gap. A row without any load is skipped.
       e[i] += xsimd::select(z[i] > zero, zero, closing);
       if (rows.bounces) e[i] -= load<V>(rows.bounce[i], at);
     }
@@ -270,7 +270,7 @@ template <class A>
   for (std::size_t i = 0; i < 4; ++i) e[i] = xsimd::select(active & face.there[i], e[i], zero);
   const Responses<V> m = responses<V, true>(rows, at);
   const Sym4<V> B = face.mobility(m);
-  // How far the points are from 0 <= z _|_ e >= 0.
+  // Violation of 0 <= z _|_ e >= 0.
   const Four<V> alone{{B.m00 * z[0], B.m11 * z[1], B.m22 * z[2], B.m33 * z[3]}};
   V change = zero;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -300,7 +300,7 @@ template <class A>
     c1 += dot(face.s, dz);
     c2 += dot(face.r, dz);
     if (xsimd::none(has_friction)) break;
-    // Friction sees what the normals have just done, and they what it does.
+    // Friction uses the latest normal impulses, and they the latest friction.
     const V v1 = slip_1 + (m.tn_1n * fn + m.tn_11 * c1 + m.tn_12 * c2) +
                  (k_tt.m11 * friction_change.f1 + k_tt.m12 * friction_change.f2 +
                   k_tt.m1n * friction_change.tn);

@@ -11,16 +11,16 @@
 namespace tandem::pbd {
 namespace {
 
-/// Cosine to the vertical below which friction and not the normal holds up, or may.
+/// Cosine to the vertical below which friction may carry the weight instead of the normal.
 constexpr double kLevel = 0.5;
 
-/// N, of a load that lasts.
+/// N, of a lasting load.
 double force_of(const Contact& contact) {
   return contact.warm_start_scale *
          (contact.force[0] + contact.force[1] + contact.force[2] + contact.force[3]);
 }
 
-/// Which points are no further apart than this, m.
+/// Which points are no further apart than `reach`, m.
 std::array<bool, 4> near_points(const Contact& contact, std::span<const SolverBody> bodies,
                                 double reach) {
   const Manifold& m = contact.manifold;
@@ -81,7 +81,7 @@ void ContactStatics::guess(std::span<Contact> contacts, std::span<const ContactL
     missing_[rest.upper] -= rest.cosine * force_of(contact);
     missing_[rest.lower] += rest.cosine * force_of(contact);
   }
-  // What a body carries has a higher place than what carries it.
+  // Supported bodies come later in the order than their supports.
   for (auto k = new_contacts_.rbegin(); k != new_contacts_.rend(); ++k) {
     Contact& contact = contacts[arranged[*k].contact];
     const Rest rest = rest_of(contact, support);
