@@ -213,9 +213,10 @@ double warm_start_scale(const ContactRows& rows, std::size_t lane, double growth
 namespace {
 
 /// How far a carried impulse may turn a body with joints (rad), or shift it (in radii of gyration),
-/// before joints act. In eight iterations the ground takes from one hand the impulse that stops a
-/// whole falling ragdoll; carried on whole, it turns the hand by radians, beyond the range of the
-/// gradients: 2 of 400 ragdolls came to 1e6 times their energy; with 0.2 and with 1 none does.
+/// before joints act. In eight turns of joints and contacts the ground takes from one hand the
+/// impulse that stops a whole falling ragdoll; carried on whole, it turns the hand by radians,
+/// beyond the range of the gradients: 2 of 400 ragdolls came to 1e6 times their energy; with 0.2
+/// and with 1 none does.
 constexpr double kNear = 0.5;
 
 /// Motion of a body by an impulse (N s) of a lane in the substep, in the measure of kNear.

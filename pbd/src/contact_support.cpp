@@ -8,10 +8,10 @@
 namespace tandem::pbd {
 namespace {
 
-/// Of a body that nothing holds up: their order tells nothing.
+/// Distance of a body that nothing supports; such bodies are in no particular order.
 constexpr std::uint32_t kFar = 0xffffffff;
 
-/// In place of a group, below SolverBody::kNoGroup and above all groups.
+/// Stored instead of a group; below SolverBody::kNoGroup and above all groups.
 constexpr std::uint32_t kFixed = SolverBody::kNoGroup - 1;
 
 }  // namespace
@@ -23,7 +23,7 @@ std::span<const ContactLink> ContactSupport::arrange(std::span<const ContactBrie
   find_awake(contacts, sequence, bodies, movers);
   link(movers);
   const std::uint32_t farthest = measure();
-  // Counting sort by the sum of both distances; equal ones stay in sequence.
+  // Counting sort by the sum of both distances; ties stay in sequence.
   const auto rank = [&](const ContactLink& link) {
     return std::min(distance_[link.a], farthest + 1) + std::min(distance_[link.b], farthest + 1);
   };
@@ -56,7 +56,7 @@ void ContactSupport::find_awake(std::span<const ContactBrief> contacts,
   }
 }
 
-/// Who touches whom, and whose distance is known from the start.
+/// Links bodies in contact, and sets the distances known from the start.
 void ContactSupport::link(std::span<const std::uint32_t> movers) {
   distance_.resize(group_.size());
   first_.resize(group_.size());

@@ -8,7 +8,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// To save or to load.
+/// Lists fields for saving or loading.
 void distance_fields(auto& io, auto& def) {
   io(def.a, def.b, def.anchor_a_l, def.anchor_b_l, def.rest_length, def.compliance, def.damping,
      def.elastic, def.min_length, def.max_length, def.range_compliance, def.range_damping,
@@ -89,7 +89,7 @@ void DistanceJoint::forgive(const SubstepContext& ctx) {
 bool DistanceJoint::find_gap(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
-  if (arm.a->agreed || arm.b->agreed) {  // as of joints
+  if (arm.a->agreed || arm.b->agreed) {  // as in joints
     gap_ = {};
     return false;
   }
@@ -123,7 +123,7 @@ double DistanceJoint::project(const SubstepContext& ctx) {
   SolverBody ground;
   const Arms arm = arms(ctx, ground);
   const double c = arm.length - def_.rest_length;
-  // Points that have swung past each other within the substep have lost the old direction.
+  // Points that have swung past each other within the substep need a new direction.
   if (n_.dot(arm.n) < 0.5) n_ = arm.n;
   if (n_.isZero(0.0)) return 0.0;
   const double w = inverse_mass(*arm.a, r_a_, n_) + inverse_mass(*arm.b, r_b_, n_);
@@ -183,7 +183,7 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
     broke_ = false;
     displacement_residual_ = residual_ = 0.0;
   }
-  // What a spoiled step leaves behind must not spoil the next one.
+  // A non-finite step must not spoil the next one.
   for (double* value : {&displacement_residual_, &force_, &residual_}) {
     if (!std::isfinite(*value)) *value = 0.0;
   }

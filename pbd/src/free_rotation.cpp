@@ -12,19 +12,19 @@
 namespace tandem::pbd {
 namespace {
 
-/// Rates (1/(kg m^2)) at which a body turns about two of its principal axes, for each unit of
-/// angular momentum along them, beside turning about the momentum itself.
+/// Rates (1/(kg m^2)) at which a body turns about two of its principal axes, per unit of angular
+/// momentum along them, in addition to turning about the momentum itself.
 struct Rates {
   double top = 0.0;   ///< about z
-  double rest = 0.0;  ///< about x; 0 where two moments are equal
+  double rest = 0.0;  ///< about x; 0 if two moments are equal
 };
 
-/// Angular momentum in the principal frame, and what that frame has turned by within itself.
+/// Angular momentum in the principal frame, and the rotation of that frame so far.
 struct Spin {
   Vec3 momentum = Vec3::Zero();
   Quat turned = Quat::Identity();
 
-  /// Turn about the axis `i` as its part of the energy alone would have it: exact.
+  /// Exact rotation about axis `i` under its part of the energy alone.
   void turn(int i, double rate_h) {
     const double angle = rate_h * momentum[i];
     const portable::SinCos half = portable::sin_cos(0.5 * angle);
@@ -40,7 +40,7 @@ struct Spin {
   }
 };
 
-/// Fourth-order composition of a step of second order that is its own reverse.
+/// Fourth-order composition of a symmetric second-order step.
 /// Source: [yoshida1990] Eq. 2.11.
 constexpr double kOuter = 1.3512071919596578;  // 1 / (2 - cbrt(2))
 constexpr double kInner = 1.0 - 2.0 * kOuter;
@@ -59,7 +59,7 @@ void turn_in_parts(Spin& spin, const Rates& rates, int parts, double part) {
   }
 }
 
-/// The momentum of the same size nearest to this one that has the energy (J, twice).
+/// The momentum of equal length nearest to this one that has the energy (J, twice).
 Vec3 with_energy(const Vec3& momentum, const Vec3& moments, double energy2) {
   constexpr int kIterations = 3;
   const double size2 = momentum.squaredNorm();
@@ -76,7 +76,7 @@ Vec3 with_energy(const Vec3& momentum, const Vec3& moments, double energy2) {
   return found;
 }
 
-/// The least rotation that turns `from` into `to`, which are equally long and not opposite.
+/// The smallest rotation that turns `from` into `to`, which have equal length and are not opposite.
 Quat least_rotation(const Vec3& from, const Vec3& to) {
   const Vec3 axis = from.cross(to);
   const double sine = axis.norm();
@@ -87,8 +87,8 @@ Quat least_rotation(const Vec3& from, const Vec3& to) {
 
 }  // namespace
 
-/// Jacobi's rotations. Axis z becomes the one whose moment is least like the others', y the middle
-/// one of the three.
+/// Jacobi rotations. Axis z becomes the one whose moment differs most from the others, y the one
+/// with the middle moment.
 PrincipalAxes principal_axes(const Mat3& inertia) {
   constexpr int kSweeps = 12;
   Mat3 a = inertia;
@@ -110,7 +110,7 @@ PrincipalAxes principal_axes(const Mat3& inertia) {
     }
   }
   std::array<int, 3> by_size{0, 1, 2};
-  for (const std::size_t k : {0u, 1u, 0u}) {  // neighbours only: equal ones stay in order
+  for (const std::size_t k : {0u, 1u, 0u}) {  // neighbours only: equal moments stay in order
     const int i = by_size[k], j = by_size[k + 1];
     if (a(j, j) < a(i, i)) std::swap(by_size[k], by_size[k + 1]);
   }
@@ -127,9 +127,9 @@ PrincipalAxes principal_axes(const Mat3& inertia) {
   return result;
 }
 
-/// The body's energy is L^2 / (2 I_y), by which it turns about L as a ball does, and two parts
-/// that are rotations about its own axes: z's, which makes a top of it, and x's, which is nothing
-/// where two moments are equal. Each of them alone is known in closed form and keeps L.
+/// The energy is split into L^2 / (2 I_y), under which the body turns about L like a ball, and two
+/// rotations about its own axes: about z, which makes it a top, and about x, which vanishes if two
+/// moments are equal. Each part has a closed form and conserves L.
 Quat free_rotation(const Quat& q, const PrincipalAxes& axes, Vec3& w_l, double h) {
   constexpr double kPart = 0.1;  // rad, of both parts together
   constexpr int kMaxParts = 1024;
@@ -145,7 +145,7 @@ Quat free_rotation(const Quat& q, const PrincipalAxes& axes, Vec3& w_l, double h
     const Vec3 before = spin.momentum;
     const double angle = h * before.norm() * std::sqrt(std::abs(rates.top * rates.rest));
     const double wanted = std::ceil(angle / kPart);
-    // A spin that is not a number takes one part: the step reports the body afterwards.
+    // A non-finite spin takes one part: the step reports the body afterwards.
     int parts = 1;
     if (wanted > 1.0) parts = wanted < kMaxParts ? static_cast<int>(wanted) : kMaxParts;
     turn_in_parts(spin, rates, parts, h / parts);

@@ -9,10 +9,10 @@ namespace tandem::pbd {
 /// @param inertia  kg m^2, symmetric
 PrincipalAxes principal_axes(const Mat3& inertia);
 
-/// Where a body turns to by itself in h (s). Angular momentum and energy are kept to rounding,
-/// whatever the spin. Exact where two principal moments are equal; else of fourth order, fast spin
-/// in parts, up to 1024 of them. Beyond that, some 1e5 rad/s, the phase is lost.
-/// @param w_l  rad/s, frame of the body, at the start; becomes that at the end
+/// Torque-free rotation over h (s). Conserves angular momentum and energy to rounding, at any spin.
+/// Exact if two principal moments are equal; else of fourth order, fast spin in parts, up to 1024
+/// of them. Above that, some 1e5 rad/s, the phase is lost.
+/// @param w_l  rad/s, frame of the body: in, at the start; out, at the end
 Quat free_rotation(const Quat& q, const PrincipalAxes& axes, Vec3& w_l, double h);
 
 }  // namespace tandem::pbd

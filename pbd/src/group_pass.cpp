@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The stages of a substep, in their order, and below them the parts that they are made of.
+// The stages of a substep in order, followed by their parts.
 #include "group_pass.h"
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// Whether contacts have changed the speed of something on joints by much.
+/// Whether contacts have changed the speed of a jointed body by much.
 bool joints_are_hit(std::span<const std::uint32_t> group, std::span<const SolverBody> bodies) {
   constexpr double kBlow = 0.3;  // m/s
   return std::any_of(group.begin(), group.end(), [&](std::uint32_t i) {

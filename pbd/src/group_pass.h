@@ -17,74 +17,74 @@
 
 namespace tandem::pbd {
 
-/// What all groups of a step have in common.
+/// Data common to all groups of a step.
 struct PassStep {
   const SolverOptions* options = nullptr;
   BodyBuffer* bodies = nullptr;
   Targets* targets = nullptr;
   std::span<const std::unique_ptr<ConstraintBlock>> blocks = {};
-  // Of the world, by slot:
+  // Views of the world, by slot:
   const PropsTable* props = nullptr;
-  std::span<const BodyState> states = {};  ///< where the step began
-  std::span<const Wrench> wrenches = {};   ///< empty: none acts
-  std::span<Correction> corrections = {};  ///< empty: there are no targets
+  std::span<const BodyState> states = {};  ///< at the start of the step
+  std::span<const Wrench> wrenches = {};   ///< empty if none acts
+  std::span<Correction> corrections = {};  ///< empty if there are no targets
   double dt = 0.0;                         ///< s
-  bool any_rows = false;                   ///< there is one, and a body that is awake
+  bool any_rows = false;                   ///< some row exists, and some body is awake
   bool any_joints = false;                 ///< some rows project poses
   SubstepContext context;
 };
 
-/// A group through all substeps of a step, and then the next one.
+/// Takes one group after another through all substeps of a step.
 class GroupPass {
  public:
   struct Outcome {
     std::array<bool, kStageCount> ran{};
     int velocity_iterations = 0;
-    int substeps = 0;  ///< most
+    int substeps = 0;  ///< largest number
   };
 
-  /// @param worker   whose pass it is     @param workers  that share its stages
+  /// @param worker   index of the pass's worker     @param workers  share its stages
   /// @param at_once  whether other groups are solved at the same time
   void begin_step(const PassStep& step, int worker, Workers& workers, bool at_once,
                   StageClock& clock);
-  /// Room for groups of so many bodies: which ones come is not known.
+  /// Reserves for groups of so many bodies; which groups come is not known in advance.
   void reserve(std::size_t bodies) {
     if (step_.context.shared) targets_.reserve(bodies);
   }
-  /// @param energy  what agreement did to the group is added to it
+  /// @param energy  what agreement did to the group's energy is added here
   void begin(const Group& group, std::uint32_t number, ConsensusEnergy& energy);
   int substeps() const { return context_.substeps; }
   void begin_substep(int i);
-  /// Velocities to the end of the substep; poses only of bodies whose rows project them.
+  /// Integrates velocities to the end of the substep, and poses of bodies whose rows project them.
   void integrate();
   void project();
   void advance_poses();
   /// Before the contact velocity pass, so that contacts can veto it.
   void agree_velocities();
   void solve_velocities();
-  /// Displacements, not velocities: targets pull, joints follow, contacts hold.
+  /// Displacements without velocity: targets pull, joints follow, contacts hold.
   void agree();
 
-  /// Of the groups since begin_step().
+  /// Over all groups since begin_step().
   const Outcome& outcome() const { return outcome_; }
 
  private:
-  /// Bodies given to a worker at a time.
+  /// Bodies per chunk of a worker.
   static constexpr std::size_t kBodyGrain = 256;
 
   void end_stage(Stage stage);
   void project_joints();
-  /// How often joints and contacts take turns in a substep. Where contacts hit what joints hold,
-  /// one turn leaves most of the blow to the substeps to come: a doll that falls on its feet
-  /// from 1.2 m opens its joints by 9 cm in single turns and gains 142 of 1512 J in a step, in 8 by
-  /// 1 cm and 4 J (tests/scene/ragdoll_test.cpp).
+  /// Range of alternations of joints and contacts in a substep. If contacts hit jointed bodies, one
+  /// alternation leaves most of the impact to later substeps: a doll that falls on its feet from
+  /// 1.2 m opens its joints by 9 cm with one and gains 142 of 1512 J in a step, with 8 by 1 cm and
+  /// 4 J (tests/scene/ragdoll_test.cpp).
   struct Turns {
     int least = 1, most = 1;
   };
   Turns joint_turns() const;
-  /// Sweep blocks before contacts, there and back, until no row asks for more. A set of joints is
-  /// solved as one and says when it holds; what rows that are swept in turns leave comes back in
-  /// each substep, as an acceleration: two hands hold 1 kg 0.8 % too low where sweeps stop at the
+  /// Sweeps blocks before contacts, back and forth, until no row asks for more. A set of joints is
+  /// solved as one and reports when it converges. What rows swept one after the other leave acts as
+  /// an acceleration in each substep: two hands hold 1 kg 0.8 % too low if sweeps stop at the
   /// tolerance itself.
   /// @param project  of a block: the largest move that a row asked for, m
   void until_joints_hold(auto&& project) {
@@ -107,7 +107,7 @@ class GroupPass {
       if (!block->empty() && (!at_once_ || block->groups_at_once())) visit(*block);
     }
   }
-  /// Bodies of the group, shared out among the workers.
+  /// Visits the bodies of the group, divided among the workers.
   void for_bodies(auto&& visit) {
     const std::span<const std::uint32_t> list = group_->bodies;
     const std::span<SolverBody> bodies = context_.bodies;

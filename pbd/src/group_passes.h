@@ -12,17 +12,17 @@
 
 namespace tandem::pbd {
 
-/// The groups of a step: small ones at once, each by one worker, then the others one after the
+/// Solves the groups of a step: small ones at once, one per worker, then the others one after the
 /// other, each by all workers.
 class GroupPasses {
  public:
-  /// @param workers  how many there will be
+  /// @param workers  number of workers
   explicit GroupPasses(int workers);
 
   /// @pre groups have their facts in the step's context
   void begin_step(const PassStep& step, std::span<const Group> groups, Workers& workers,
                   StageClock& clock);
-  /// Call solve(pass) for each group, which the pass is at.
+  /// Calls solve(pass) for each group, after the pass has begun it.
   void run(Workers& workers, StageClock& clock, auto&& solve) {
     workers.for_tasks(static_cast<std::uint32_t>(tasks_.size()), [&](std::uint32_t k, int worker) {
       solve(at(passes_[static_cast<std::size_t>(worker)], tasks_[k]));
@@ -39,13 +39,13 @@ class GroupPasses {
   }
 
   std::span<const Group> groups_;
-  std::vector<std::uint32_t> tasks_;       ///< groups that are solved at once, the largest first
-  std::vector<std::uint32_t> in_turn_;     ///< the others
+  std::vector<std::uint32_t> tasks_;       ///< groups that are solved at once, largest first
+  std::vector<std::uint32_t> in_turn_;     ///< groups solved one after the other
   std::vector<ConsensusEnergy> energies_;  ///< by group
-  Workers nobody_;                         ///< shares the stages of a task
-  GroupPass shared_;                       ///< of groups that are solved in turn
-  std::vector<GroupPass> passes_;          ///< by worker, of tasks
-  std::vector<StageClock> clocks_;         ///< likewise
+  Workers nobody_;                         ///< a team of one, for the stages of a task
+  GroupPass shared_;                       ///< for groups solved one after the other
+  std::vector<GroupPass> passes_;          ///< by worker, for tasks
+  std::vector<StageClock> clocks_;         ///< by worker, for tasks
 };
 
 }  // namespace tandem::pbd

@@ -12,24 +12,23 @@
 namespace tandem::pbd {
 namespace {
 
-/// Islands of one level are solved group by group, of so many bodies where they are small enough:
-/// what four substeps read again and again stays in the processor's second cache, and each worker
-/// finds groups to solve.
+/// Small islands of one level are joined to groups of at most so many bodies: the data that four
+/// substeps read stays in the second-level cache, and each worker finds groups to solve.
 constexpr std::size_t kMaxBodies = 512;
-/// An island of more bodies has a group of its own.
+/// A larger island has a group of its own.
 constexpr std::size_t kLargeIsland = 128;
 
-/// Bodies given to a worker at a time.
+/// Bodies per chunk of a worker.
 constexpr std::size_t kGrain = 256;
 
-/// Steps in a row that must have been easy before an island gets fewer substeps again.
+/// Easy steps in a row before an island gets fewer substeps again.
 constexpr int kCalmSteps = 8;
 
-/// What springs or motors act on is at rest where it would take this many times as long to come to
-/// the speed at which it counts as moving: a heavy body starts slowly.
+/// A body under springs or motors is at rest if it would take this many times as long to reach the
+/// speed that counts as moving: a heavy body starts slowly.
 constexpr double kSteady = 50.0;
 
-/// A body that a remote peer sees further away than this is not at rest: m and rad.
+/// m and rad: a body farther than this from its target is not at rest.
 constexpr double kRestingDistance = 1e-3;
 constexpr double kRestingAngle = 0.0175;
 
@@ -42,7 +41,7 @@ bool disagrees(const PoseTarget& target, const SolverBody& body) {
 
 bool moves(const SolverBody& body) { return !body.v.isZero(0.0) || !body.w.isZero(0.0); }
 
-/// By slot: 1 where another world answers for the body; none where it is short.
+/// By slot: 1 if the body belongs to another world; may be shorter.
 std::span<const std::uint8_t> copies_of(const IslandCoupling* coupling) {
   return coupling != nullptr ? coupling->copies() : std::span<const std::uint8_t>();
 }
@@ -50,9 +49,9 @@ bool is_copy(std::span<const std::uint8_t> copies, std::uint32_t body) {
   return body < copies.size() && copies[body] != 0;
 }
 
-/// Adds a step to the way of a body that has been slow so far.
-/// @param way   m, within which it is still slow     @param turn  rad, likewise
-/// @return whether it is
+/// Adds a step to the path of a slow body.
+/// @param way   m, bound for being slow     @param turn  rad, bound for being slow
+/// @return whether it is still slow
 bool keeps_near(const SolverBody& body, const Pose& from, double way, double turn,
                 BodyActivity& own) {
   own.moved += body.x - from.position;
@@ -62,8 +61,8 @@ bool keeps_near(const SolverBody& body, const Pose& from, double way, double tur
   return own.turned.squaredNorm() <= turn * turn;
 }
 
-/// Counts a step of a body that is slow. Each `sleep_after` (s) has a mean speed of its own: a body
-/// that creeps on would else stir each time it has come far.
+/// Counts a step of a slow body. The mean speed is taken anew over each `sleep_after` (s): a
+/// creeping body would otherwise stir whenever it has come far.
 void stay_slow(BodyActivity& own, double dt, double sleep_after) {
   const double times = std::floor(own.low_speed_time / sleep_after);
   own.low_speed_time += dt;
@@ -162,11 +161,11 @@ void Groups::form_groups(const Rule& rule, const Islands& islands, const PropsTa
   groups_.clear();
   group_of_.resize(count);
   for (std::uint8_t level = 0; level <= kMaxLevel; ++level) {
-    std::size_t open = count;  // the group that takes islands: none yet
+    std::size_t open = count;  // group that takes islands; count: none yet
     if (in_level[level] == 0) continue;
     for (const std::uint32_t i : movers_) {
       if (islands.of()[i] != i || levels_[i] != level || !is_awake(i)) continue;
-      // An island that goes on in another world is solved there in the group of the same number.
+      // An island shared with another world is solved there in the group of the same number.
       const bool whole = rule.coupling != nullptr;
       const bool joined = !whole && joined_[i] != 0;
       const bool large = !whole && islands_[i].bodies > kLargeIsland;
@@ -211,7 +210,7 @@ void Groups::note_apart(const ConstraintEdges& edges, bool any_driven,
   }
 }
 
-/// Each group's bodies, ascending, one group after the other.
+/// Lists the bodies of all groups, ascending within each.
 void Groups::fill_groups(const Islands& islands, const PropsTable& props,
                          std::span<BodyActivity> activity, std::span<SolverBody> bodies) {
   for (Group& group : groups_) group.size = 0;
@@ -247,7 +246,7 @@ static double spin_of(const BodyProps& body, const Groups::Rule& rule) {
   return body.sleep_spin.value_or(rule.sleep_spin);
 }
 
-/// After the step of its island.
+/// Updates a body after the step of its island.
 static void settle_body(const Groups::Rule& rule, const IslandPart& island,
                         std::uint8_t island_level, BodyActivity& own, SolverBody& body) {
   std::uint8_t level = 0;
@@ -289,8 +288,8 @@ void Groups::settle(const Rule& rule, double dt, Workers& workers, const Islands
       for (std::size_t k = begin; k < end; ++k) visit(movers_[k]);
     });
   };
-  // By its places, as what trembles moves nothing: pushed out of an overlap and falling back within
-  // each step it would have a speed.
+  // Speed is measured by poses, since jitter moves nothing: a body that is pushed out of an overlap
+  // and falls back in each step would have a velocity.
   rest_.resize(bodies.size());
   for_movers([&](std::uint32_t i) {
     rest_[i] = Rest::None;
@@ -346,7 +345,7 @@ void Groups::judge_rest(std::span<const ConstraintEdge> edges, std::span<const S
     for (std::size_t k = 0; k < 2; ++k) {
       if (ends[k] == BodyId::kNone) continue;
       IslandPart& island = islands_[bodies[ends[k]].island];
-      // What drifts freely is slow, but not at rest.
+      // A freely drifting body is slow, but not at rest.
       if (edge.supports && fixed[1 - k] && !fixed[k]) island.held = true;
       if (edge.actuated) island.driven = true;
       if (edge.force_driven) sprung_[ends[k]] = 1;

@@ -27,16 +27,16 @@ struct Group {
   int islands = 0;
   bool locked = false;   ///< some body has a locked axis
   bool joined = false;   ///< one island, where joints and later rows share bodies
-  bool driven = false;   ///< something immovable that moves is in touch with it
-  bool alone = false;    ///< some row is of a block that is asked for one group at a time
-  std::size_t size = 0;  ///< while it is formed
+  bool driven = false;   ///< touches a kinematic body that moves
+  bool alone = false;    ///< some row's block does not allow several groups at once
+  std::size_t size = 0;  ///< set while it is formed
   std::span<const std::uint32_t> bodies;
 };
 
-/// Which islands sleep, and which need more substeps than the others.
+/// Decides which islands sleep, and which need more substeps.
 class Groups {
  public:
-  /// Substeps are doubled this often at most.
+  /// Substeps are doubled at most this often.
   static constexpr std::uint8_t kMaxLevel = 5;
 
   struct Rule {
@@ -44,38 +44,38 @@ class Groups {
     double sleep_after = 0.0;            ///< s, 0 = never
     double sleep_speed = 0.0;            ///< m/s
     double sleep_spin = 0.0;             ///< rad/s
-    IslandCoupling* coupling = nullptr;  ///< null: no island goes on in another world
+    IslandCoupling* coupling = nullptr;  ///< null: no island is shared with another world
   };
 
-  /// Wake what is disturbed, put the others into groups by level and write each body's island and
-  /// group.
-  /// @param movers   all that may be movable, ascending; also of settle() after it
+  /// Wakes disturbed islands, sorts awake ones into groups by level and writes each body's island
+  /// and group.
+  /// @param movers   all bodies that may be movable, ascending; must live until settle()
   /// @param changed  bodies whose rows were changed
   void arrange(const Rule& rule, const Islands& islands, std::span<const std::uint32_t> movers,
                std::span<const std::uint32_t> changed, std::span<const ConstraintEdge> edges,
                std::span<const PoseTarget> targets, const PropsTable& props,
                std::span<BodyActivity> activity, std::span<SolverBody> bodies);
-  /// Which groups are driven, and which ones are solved alone.
-  /// @param any_driven  whether something immovable moves
+  /// Finds which groups are driven, and which ones are solved alone.
+  /// @param any_driven  whether a kinematic body moves
   void note_apart(const ConstraintEdges& edges, bool any_driven,
                   std::span<const SolverBody> bodies);
   std::span<const Group> all() const { return groups_; }
 
-  /// After the step: levels for the next one, and who falls asleep.
-  /// @param wanted  by body: substeps that its rows ask for
-  /// @param before  by body: where the step began
+  /// After the step: sets levels for the next one, and puts islands to sleep.
+  /// @param wanted  by body: substeps that its rows want
+  /// @param before  by body: state at the start of the step
   void settle(const Rule& rule, double dt, Workers& workers, const Islands& islands,
               std::span<const ConstraintEdge> edges, std::span<const double> wanted,
               std::span<const BodyState> before, const PropsTable& props,
               std::span<BodyActivity> activity, std::span<SolverBody> bodies);
 
  private:
-  /// What the bodies of each island say of it. @return whether something immovable moves
+  /// Sums over the bodies of each island. @return whether a kinematic body moves
   bool sum_islands(const Rule& rule, const Islands& islands, std::span<const BodyActivity> activity,
                    std::span<SolverBody> bodies);
-  /// Of the islands where joints and contacts meet those with a row that is not swept again.
+  /// Clears joined_ of islands with a row that must not be swept again.
   void leave_out_joined(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
-  /// Whose rows were changed, and who is told to be elsewhere.
+  /// Wakes islands with changed rows, or with a body away from its target.
   void wake_islands(std::span<const std::uint32_t> changed, std::span<const PoseTarget> targets,
                     std::span<const SolverBody> bodies);
   void form_groups(const Rule& rule, const Islands& islands, const PropsTable& props,
@@ -83,25 +83,25 @@ class Groups {
   void fill_groups(const Islands& islands, const PropsTable& props,
                    std::span<BodyActivity> activity, std::span<SolverBody> bodies);
 
-  /// What an immovable body that moves is in touch with does not sleep.
+  /// Keeps bodies awake that touch a kinematic body that moves.
   void disturb(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
-  /// What is held, driven or sprung.
+  /// Finds which bodies and islands are held, driven or sprung.
   void judge_rest(std::span<const ConstraintEdge> edges, std::span<const SolverBody> bodies);
 
-  std::span<const std::uint32_t> movers_;  ///< of this step; what else is in the lists is not read
-  bool any_joined_ = false;                ///< of joined_
-  /// By mover, of settle().
+  std::span<const std::uint32_t> movers_;  ///< of this step; lists have other bodies too
+  bool any_joined_ = false;                ///< some entry of joined_ is set
+  /// By mover, in settle().
   enum class Rest : std::uint8_t { None, Stirs, Sleepy };
   detail::SparseArray<Rest> rest_;
-  detail::SparseArray<IslandPart> islands_;  ///< by the index of the lowest body
-  /// Likewise: the mean of its bodies' levels, rounded. A few refined bodies that fall on a heap do
-  /// not refine the heap.
+  detail::SparseArray<IslandPart> islands_;  ///< by the island's lowest body
+  /// By the island's lowest body: the rounded mean of its bodies' levels. A few refined bodies that
+  /// fall on a heap do not refine the heap.
   detail::SparseArray<std::uint8_t> levels_;
-  detail::SparseArray<std::uint8_t> joined_;     ///< likewise, see Group
+  detail::SparseArray<std::uint8_t> joined_;     ///< by the island's lowest body, see Group
   detail::SparseArray<std::uint8_t> movable_;    ///< by body
   detail::SparseArray<std::uint8_t> sprung_;     ///< by body: springs or motors act on it
-  detail::SparseArray<std::uint32_t> group_of_;  ///< by the index of the lowest body of an island
-  std::vector<std::uint32_t> members_;           ///< of all groups
+  detail::SparseArray<std::uint32_t> group_of_;  ///< by the island's lowest body
+  std::vector<std::uint32_t> members_;           ///< bodies of all groups
   std::vector<Group> groups_;
 };
 

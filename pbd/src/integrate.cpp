@@ -14,20 +14,20 @@
 namespace tandem::pbd {
 namespace {
 
-/// rad/s: slower rotation has no gyroscopic effect worth a thought, and neither has torque that
-/// turns the angular momentum of a body's frame more slowly than kSlowTorque (spheres, cubes, tops
-/// that spin about their axis).
+/// rad/s: the gyroscopic effect of slower rotation is negligible. So is torque that turns the
+/// angular momentum in the body's frame more slowly than kSlowTorque (spheres, cubes, tops that
+/// spin about their axis).
 constexpr double kSlowSpin = 0.02;
 constexpr double kSlowTorque = 2e-5;
 
-/// Whether the spin of a body may change by itself.
+/// Whether torque-free rotation may change the body's spin.
 bool may_tumble(const SolverBody& body, const BodyProps& props) {
   const Vec3& moments = props.principal.moments;
   return !(moments.x() == moments.y() && moments.y() == moments.z()) &&
          dot(body.w, body.w) > kSlowSpin * kSlowSpin && !props.locks.any();
 }
 
-/// rad/s at which the angular momentum turns in the body's frame; 0 where it hardly does.
+/// rad/s at which the angular momentum turns in the body's frame; 0 if negligible.
 /// @pre may_tumble()
 [[gnu::noinline]] double tumbling(const SolverBody& body, const BodyProps& props) {
   const Vec3 w_l = rotate(body.q.conjugate(), body.w);
@@ -50,7 +50,7 @@ void spin_freely(SolverBody& body, const BodyProps& props, double h) {
   body.w_applied = body.w;
 }
 
-/// Turns a body whose spin changes by itself, and what it is pushed by.
+/// Turns a body by torque-free rotation, and its push velocities with it.
 /// @param rate  rad/s, see tumbling()
 [[gnu::noinline]] void tumble(SolverBody& body, const BodyProps& props, double rate, double h) {
   spin_freely(body, props, h);
@@ -62,7 +62,7 @@ void spin_freely(SolverBody& body, const BodyProps& props, double h) {
   if (!pushed.isZero(0.0)) {
     const Quat turn = exp_map(pushed);
     body.q = turned_by(turn, body.q);
-    // What is pushed takes its spin along: left where it was, it would be another energy.
+    // Spin follows the pose: kept in the world it would have another energy.
     body.w = body.w_applied = rotate(turn, body.w);
   }
   if (!body.reoriented) return;
@@ -70,7 +70,7 @@ void spin_freely(SolverBody& body, const BodyProps& props, double h) {
   body.stale = 0.0;
 }
 
-/// Whether the inertia is not the same about all axes.
+/// Whether the inertia depends on the axis.
 bool has_axes(const Mat3& inv_inertia) {
   constexpr double kIsotropic = 1e-20;
   const double mean = inv_inertia.trace() / 3.0;
@@ -170,7 +170,7 @@ void follow_velocity(SolverBody& body, double h) {
 void absorb_corrections(SolverBody& body, const BodyProps& props, double h) {
   const double inverse_h = 1.0 / h;
   const Vec3 dv = inverse_h * body.dx;
-  const Vec3 open = body.w - body.w_applied;  // 0 where the prediction has all of it
+  const Vec3 open = body.w - body.w_applied;  // 0 if the prediction has used all of it
   body.v += dv;
   body.v_applied += dv;
   body.w += inverse_h * body.dtheta;

@@ -11,7 +11,7 @@
 
 namespace tandem::pbd {
 
-/// The product, kept at unit length; without a root where q has that but for rounding.
+/// The product at unit length; a first-order correction if q is a unit quaternion up to rounding.
 inline Quat turned_by(const Quat& turn, const Quat& q) {
   Quat result = turn * q;
   const double excess = result.squaredNorm() - 1.0;
@@ -23,52 +23,51 @@ inline Quat turned_by(const Quat& turn, const Quat& q) {
   return result;
 }
 
-/// As rotated().
+/// Same as rotated(), with turned_by().
 inline Quat rotated_about(const Quat& q, const Vec3& r) { return turned_by(exp_map(r), q); }
 
-/// Inverse inertia in the world at the orientation q: of the axes that are not locked, as if a
-/// torque about the others were always met by an equal one.
+/// Inverse inertia in the world at the orientation q, on the axes that are not locked: torque about
+/// locked axes is balanced.
 void inverse_inertia_w(const Quat& q, const BodyProps& props, Mat3& result);
 
-/// That of the body's orientation.
+/// Sets the inverse inertia for the body's orientation.
 void refresh_inertia(SolverBody& body, const BodyProps& props);
 
-/// What rows take for a blow where a body has turned by `turn` (rad) since they were made goes by
-/// the ratio of its moments; 0 where these are equal.
+/// Measure of the error of rows on a body that has turned by `turn` (rad) since they were made: it
+/// grows with the ratio of its moments and is 0 if these are equal.
 double staleness(double turn, const Vec3& moments);
-/// Of that, from where on rows are made anew.
+/// Staleness from which on rows are made again.
 inline constexpr double kStale = 0.02;  // rad
 
-/// Forces and damping for one substep of a dynamic body: v and w become those with which it moves.
-/// A body whose rows project poses and whose spin changes by itself turns freely here, pose and
-/// all, since these rows start from there; any other one does in advance_pose().
-/// @param wrench  null where none acts
+/// Applies forces and damping for one substep of a dynamic body: v and w become the velocities of
+/// its motion. Torque-free rotation of a body whose rows project poses is done here, pose included,
+/// as these rows start from it; for other bodies advance_pose() does it.
+/// @param wrench  null if none acts
 void integrate_velocity(SolverBody& body, const BodyProps& props, const Wrench* wrench,
                         const Vec3& gravity, double h);
 
-/// Bring the pose up to what v and w say of this substep and the pose does not show yet. Where the
-/// spin changes by itself, w becomes that at its end and the inertia that of the new pose: rows
-/// have changed w with the inertia of the old one, which adds no energy, and turning freely adds
-/// none.
+/// Applies the part of v and w to the pose that it does not show yet. With torque-free rotation, w
+/// becomes the spin at the end and the inertia that of the new pose: rows have changed w with the
+/// old inertia, which adds no energy, and free rotation adds none.
 void advance_pose(SolverBody& body, const BodyProps& props, double h);
 
-/// Of a body whose rows project poses: bring the pose up to v and w alone. What opens overlaps is
-/// no motion: joints would make velocity of it, in each of their turns anew.
+/// For a body whose rows project poses: applies v and w alone. Push velocities are left out, as
+/// joints would turn them into velocity in each alternation.
 void follow_velocity(SolverBody& body, double h);
 
-/// Velocities learn what rows that project poses have moved. Corrections change angular momentum,
-/// not spin: without that a fast top loses its spin to the joint that holds it, since its inertia
-/// turns with it.
+/// Velocities take over what rows that project poses have moved. Corrections change the angular
+/// momentum, not the spin: otherwise a fast top loses spin to the joint that holds it, as its
+/// inertia turns with it.
 /// @pre `inv_inertia_w` is that of the predicted pose
 void absorb_corrections(SolverBody& body, const BodyProps& props, double h);
 
-/// Take out the components of locked axes.
+/// Clears the components of locked axes.
 void zero_locked_axes(const std::array<bool, 3>& locked, Vec3& vector);
 
-/// Take out the velocity along and about locked axes.
+/// Removes velocity along and about locked axes.
 void enforce_locks(SolverBody& body, const AxisLocks& locks);
 
-/// Rows know locked translation as free: put it back to where the step began.
+/// Resets locked translation to the start of the step: rows treat it as free.
 void restore_locked(SolverBody& body, const AxisLocks& locks, const Vec3& start);
 
 }  // namespace tandem::pbd

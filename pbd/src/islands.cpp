@@ -6,7 +6,7 @@
 
 namespace tandem::pbd {
 
-// Union-find in place: a body's entry is its parent until build() has made it the root.
+// Union-find in place: an entry is the body's parent until build() replaces it by the root.
 void Islands::build(std::span<const ConstraintEdge> edges, std::span<const std::uint32_t> movers,
                     std::span<const SolverBody> bodies) {
   island_of_.resize(bodies.size());

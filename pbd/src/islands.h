@@ -11,16 +11,15 @@
 
 namespace tandem::pbd {
 
-/// Sets of movable bodies that rows join, directly or through each other. What cannot move
-/// separates islands.
+/// Sets of movable bodies that rows join, directly or through each other. Immovable bodies separate
+/// islands.
 class Islands {
  public:
-  /// @param movers  all that may be movable, ascending
+  /// @param movers  all bodies that may be movable, ascending
   void build(std::span<const ConstraintEdge> edges, std::span<const std::uint32_t> movers,
              std::span<const SolverBody> bodies);
 
-  /// By body that is a mover: the lowest index of a body of its island; its own where nothing joins
-  /// it.
+  /// By mover: the lowest index of a body in its island; its own index if nothing joins it.
   std::span<const std::uint32_t> of() const { return island_of_; }
 
  private:

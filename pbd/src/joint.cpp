@@ -13,25 +13,25 @@
 namespace tandem::pbd {
 namespace {
 
-/// rad, how far the bodies of a joint may turn against each other in a substep.
+/// rad, largest turn of a joint's bodies against each other in a substep.
 constexpr double kTurn = 0.07;
-/// Steps that spin is looked ahead, as if it went on to change as it did in the last one: a chain
-/// that whips has its substeps before it needs them. What a contact has changed does not go on.
+/// Steps by which spin is extrapolated from its last change, so that a whipping chain has its
+/// substeps before it needs them. Changes by contacts are not extrapolated.
 constexpr double kAhead = 2.0;
 
-/// rad/s, of b against a.
+/// rad/s, of b relative to a.
 Vec3 relative_spin(const SixDofJointDef& def, std::span<const SolverBody> bodies) {
   const Vec3& w_b = bodies[def.b.index].w;
   return def.a.valid() ? Vec3(w_b - bodies[def.a.index].w) : w_b;
 }
 
-/// Whether rows that are solved later have moved one of its ends in this step.
+/// Whether later rows have moved one of its ends in this step.
 bool is_pushed(const JointRecord& record, std::span<const SolverBody> bodies) {
   const auto pushed = [&](BodyId id) { return id.valid() && bodies[id.index].is_pushed(); };
   return pushed(record.def.a) || pushed(record.def.b);
 }
 
-/// See end_step().
+/// Implementation of JointBlock::end_step().
 void want_substeps(std::span<const JointRecord> records, const SubstepContext& ctx,
                    std::span<double> wanted) {
   for (const JointRecord& record : records) {
@@ -47,7 +47,7 @@ void want_substeps(std::span<const JointRecord> records, const SubstepContext& c
   }
 }
 
-/// A body as it stands before a step; for the invalid id, the world.
+/// A body at its pose before the step; the invalid id gives the world.
 SolverBody standing(const World& world, BodyId id) {
   SolverBody body;
   if (!id.valid()) return body;
@@ -128,7 +128,7 @@ const JointState& JointBlock::at(JointId id) const {
 
 namespace {
 
-/// The one coordinate of six that a joint leaves free.
+/// Refuses joints that leave other coordinates free than this one.
 void require_only_free(const SixDofJointDef& def, std::size_t coordinate, JointId id,
                        const char* field, const char* rule) {
   for (std::size_t i = 0; i < 6; ++i) {
@@ -254,7 +254,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     const auto is_finite = [](double value) { return std::isfinite(value); };
     if (!std::all_of(c, c + kCoordinates, is_finite) || !state.force.allFinite() ||
         !state.torque.allFinite()) {
-      // The step was spoiled: the bodies go back to where it began, and so does the joint.
+      // Non-finite step: bodies return to its start, and so does the joint.
       record.twist = record.twist_before;
       record.energy_excess = 0.0;
       record.displacement_residual.fill(0.0);
@@ -281,7 +281,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       residual = residual_of(axis, c[i]);
       if (std::abs(residual) > kLeft) record.gap.open(std::abs(residual));
     });
-    // What a spoiled step leaves behind must not spoil the next one.
+    // A non-finite step must not spoil the next one.
     if (!std::isfinite(record.energy_excess)) record.energy_excess = 0.0;
     for (double& residual : record.displacement_residual) {
       if (!std::isfinite(residual)) residual = 0.0;
@@ -353,7 +353,7 @@ void JointBlock::load(ByteReader& in) {
   impl_->records.clear();
   impl_->generations.clear();
   impl_->free.clear();
-  impl_->by_body.outdate();  // not yet: what the bytes name may be no body
+  impl_->by_body.outdate();  // rebuilt later: the input may name bodies that do not exist
   impl_->count = 0;
   std::vector<std::uint8_t> alive;
   for (std::uint32_t i = 0; i < size && !in.failed(); ++i) {
@@ -392,9 +392,9 @@ std::unique_ptr<ConstraintBlock> JointBlock::make_empty() const {
 bool JointBlock::assign(const ConstraintBlock& source) {
   const auto* other = dynamic_cast<const JointBlock*>(&source);
   if (other == nullptr) return false;
-  // With the plan of the system, which costs far more to make than to copy.
+  // Copies the plan of the system too, which costs far more to make.
   *impl_ = *other->impl_;
-  impl_->free.reserve(impl_->records.size());  // as add() does: removal needs no memory
+  impl_->free.reserve(impl_->records.size());  // as in add(): removal must not allocate
   return true;
 }
 

@@ -6,18 +6,18 @@
 #include <algorithm>
 #include <cmath>
 
-/// Small dense blocks of the joint solver, row by row in plain memory. 3 x 3 blocks, those of ball
-/// joints, have code of their own.
+/// Small dense blocks of the joint solver, row-major in plain memory. The 3 x 3 blocks of ball
+/// joints have special code.
 namespace tandem::pbd::block {
 
 using Block3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using Map3 = Eigen::Map<Block3>;
 using ConstMap3 = Eigen::Map<const Block3>;
 inline constexpr int kMaxRows = 10;
-/// A pivot that elimination has reduced below this part of itself is a row that says nothing new.
+/// A pivot that elimination has reduced below this share marks a dependent row.
 inline constexpr double kPivotTolerance = 1e-13;
 
-/// In place inverse of a symmetric positive definite n x n block; rows without a pivot become 0.
+/// In-place inverse of a symmetric positive definite n x n block; rows without a pivot become 0.
 inline void invert(double* a, int n) {
   // a = L D L^T, then a^-1 = L^-T D^-1 L^-1.
   double l[kMaxRows * kMaxRows];
@@ -60,7 +60,7 @@ inline void invert(double* a, int n) {
   }
 }
 
-/// The same for n = 3, by cofactors where that is safe.
+/// Inverse for n = 3, by cofactors where that is safe.
 [[gnu::always_inline]] inline void invert3(double* a) {
   const double c00 = a[4] * a[8] - a[5] * a[5];
   const double c01 = a[2] * a[5] - a[1] * a[8];
@@ -82,12 +82,12 @@ inline void invert(double* a, int n) {
   a[5] = a[7] = s * c12;
 }
 
-/// The inertia of an inverse inertia, on the axes that are free, or the other way round. In place:
-/// a matrix that is handed out is read in pairs of numbers that were written one by one, which
-/// makes the processor wait for as long as inverting it takes.
+/// Inverts inertia or inverse inertia on the free axes. In place: a returned matrix would be read
+/// in pairs of numbers that were just written singly, and that stall takes as long as the
+/// inversion.
 [[gnu::always_inline]] inline void invert(Eigen::Matrix3d& symmetric) { invert3(symmetric.data()); }
 
-/// m v, in line.
+/// m v, inlined.
 [[gnu::always_inline]] inline Eigen::Vector3d times(const Eigen::Matrix3d& m,
                                                     const Eigen::Vector3d& v) {
   return {m(0, 0) * v[0] + m(0, 1) * v[1] + m(0, 2) * v[2],
@@ -102,7 +102,7 @@ inline void negate(double* a, int count) {
 /// out = a b, a: n x k, b: k x m.
 inline void multiply(const double* a, const double* b, int n, int k, int m, double* out) {
   if (n == 3 && k == 3 && m == 3) {
-    // In the order of Eigen's product. `b` has just been written, number by number.
+    // In the order of Eigen's product. Scalar, as `b` has just been written singly.
     for (int i = 0; i < 3; ++i) {
       const double x = a[3 * i], y = a[3 * i + 1], z = a[3 * i + 2];
       out[3 * i] = (x * b[0] + y * b[3]) + z * b[6];

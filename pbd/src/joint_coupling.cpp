@@ -11,16 +11,16 @@
 namespace tandem::pbd {
 namespace {
 
-/// Rows: five that each joint holds, then the coupling.
+/// Rows: five held by each joint, then the coupling.
 constexpr int kHeld = 5;
 constexpr int kRows = 2 * kHeld + 1;
 constexpr JointAxis kLock{.freedom = Freedom::Locked};
 
-/// Where a joint stands.
+/// Current place of a joint.
 struct Place {
   SolverBody* a;
   SolverBody* b;
-  Vec3 r_a, r_b;  ///< m; that of a is to the anchor of b
+  Vec3 r_a, r_b;  ///< m; from a's centre to the anchor of b
   Mat3 axes;      ///< of frame a, world
   double at;      ///< m or rad
 
@@ -41,7 +41,7 @@ struct Place {
   }
 };
 
-/// Gradients of all rows by the motion of up to four bodies.
+/// Gradients of all rows with respect to the motion of up to four bodies.
 struct Rows {
   std::array<SolverBody*, 4> bodies{};
   int count = 0;
@@ -54,7 +54,7 @@ struct Rows {
     bodies[static_cast<std::size_t>(count)] = body;
     return 6 * count++;
   }
-  /// Of coordinate i of a joint, as of JointState::position, times `share`.
+  /// Adds coordinate i of a joint (an index into JointState::position), times `share`.
   void add(const Place& place, int i, int row, double share) {
     const int a = slot(place.a);
     const int b = slot(place.b);
@@ -67,7 +67,7 @@ struct Rows {
     gradient.block<3, 1>(b + 3, row) += turns ? axis : Vec3(place.r_b.cross(axis));
     gradient.block<3, 1>(a + 3, row) -= turns ? axis : Vec3(place.r_a.cross(axis));
   }
-  /// Moves the bodies so that the last row changes by `change`, and the others by nothing.
+  /// Moves the bodies so that the last row changes by `change`, and no other row does.
   void move(double change) const {
     Eigen::Matrix<double, 24, kRows> moves = gradient;
     for (int i = 0; i < count; ++i) {
@@ -82,7 +82,7 @@ struct Rows {
     Eigen::Matrix<double, kRows, 1> wanted = Eigen::Matrix<double, kRows, 1>::Zero();
     wanted[kRows - 1] = change;
     const Eigen::Matrix<double, kRows, 1> lambda = k.ldlt().solve(wanted);
-    if (!lambda.allFinite()) return;  // nothing of it can move
+    if (!lambda.allFinite()) return;  // no body can move it
     const Eigen::Matrix<double, 24, 1> impulse = gradient * lambda;
     for (int i = 0; i < count; ++i) {
       apply_correction(*bodies[static_cast<std::size_t>(i)], impulse.segment<3>(6 * i),
@@ -171,7 +171,7 @@ void JointCoupling::forgive(const SubstepContext& ctx) { displacement_residual_ 
 bool JointCoupling::find_gap(const SubstepContext& ctx) {
   SolverBody& one = ctx.bodies[def_.one.b.index];
   SolverBody& two = ctx.bodies[def_.two.b.index];
-  if (one.agreed || two.agreed) {  // as of joints
+  if (one.agreed || two.agreed) {  // as in joints
     gap_ = {};
     return false;
   }
@@ -215,7 +215,7 @@ void JointCoupling::end_displacement(const SubstepContext& ctx) {
 void JointCoupling::end_step(const SubstepContext& ctx) {
   residual_ = std::abs(violated(ctx));
   if (!def_.enabled) displacement_residual_ = residual_ = 0.0;
-  // What a spoiled step leaves behind must not spoil the next one.
+  // A non-finite step must not spoil the next one.
   for (double* value : {&displacement_residual_, &residual_, &near_[0], &near_[1]}) {
     if (!std::isfinite(*value)) *value = 0.0;
   }

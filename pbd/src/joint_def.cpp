@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::string_view kKind = "joint";
 
-/// What a check is of, put into words where it fails: joints are set within steps.
+/// Name of a checked field, put into words only on failure: joints are set within steps.
 struct JointField {
   std::string_view name;
-  int place = -1;              ///< of "name[place]"; none where it is negative
-  std::string_view part = {};  ///< ".part", or nothing
+  int place = -1;              ///< index in "name[place]"; none if negative
+  std::string_view part = {};  ///< ".part", or empty
 
   JointField operator/(std::string_view of_it) const { return {name, place, of_it}; }
   std::string text() const {
@@ -42,7 +42,7 @@ void check_compliance(double value, const JointField& field) {
   demand(ok, field, value, "0, or finite and at least 1e-100");
 }
 
-/// Of an axis or of a ball.
+/// Checks the spring of an axis or of a ball.
 void check_spring(const auto& spring, const JointField& field) {
   check_at_least_0(spring.stiffness, field / "spring.stiffness");
   check_at_least_0(spring.damping, field / "spring.damping");
@@ -108,7 +108,7 @@ void check_axis(const JointAxis& axis, const JointField& field) {
   }
 }
 
-/// Whether any part of it acts.
+/// Whether any part of the drive acts.
 bool is_on(const BallDrive& drive) {
   return drive.spring.stiffness > 0.0 || drive.spring.damping > 0.0 ||
          drive.spring.frequency > 0.0 || drive.motor.mode != MotorMode::Off || drive.friction > 0.0;
@@ -143,7 +143,7 @@ JointAxis locked(double compliance, double damping) {
   return {.freedom = Freedom::Locked, .compliance = compliance, .damping = damping};
 }
 
-/// A held point, from the fields that all short forms have.
+/// A held point, from the fields common to all short forms.
 SixDofJointDef base(const auto& def) {
   SixDofJointDef six;
   six.a = def.a;
@@ -157,7 +157,7 @@ SixDofJointDef base(const auto& def) {
   return six;
 }
 
-/// The same for frames that stand at one place of the world.
+/// base() with both frames at one place in the world.
 template <class Def>
 Def at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w, const Quat& basis_w) {
   detail::require_body(world, b, kKind, "b");
@@ -178,7 +178,7 @@ Def at(const World& world, BodyId a, BodyId b, const Vec3& anchor_w, const Quat&
 Quat basis_along(const Vec3& axis_w) {
   detail::require_finite(axis_w, kKind, "axis_w");
   double length = axis_w.norm();
-  if (!std::isfinite(length)) length = axis_w.stableNorm();  // its square is too large
+  if (!std::isfinite(length)) length = axis_w.stableNorm();  // its square overflows
   detail::require(length > 1e-9 && std::isfinite(length), kKind, "axis_w", length,
                   "longer than 1e-9");
   Mat3 basis;

@@ -12,7 +12,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// A body with more joints than this becomes an unknown of its own.
+/// A body with more joints becomes a hub, an unknown of its own.
 constexpr std::size_t kHubDegree = 8;
 
 }  // namespace
@@ -87,7 +87,7 @@ bool JointElimination::run(std::size_t most) {
   std::vector<std::size_t> degree(count, 0);
   std::vector<std::size_t> since(count, 0);
   std::size_t now = 0;
-  // Degree, since when, node. What was queued with another degree since is passed over.
+  // Degree, time since it has it, node. Entries with an outdated degree are skipped.
   using Place = std::tuple<std::size_t, std::size_t, std::uint32_t>;
   std::priority_queue<Place, std::vector<Place>, std::greater<>> queue;
   std::vector<bool> queued(count, false);
@@ -95,7 +95,7 @@ bool JointElimination::run(std::size_t most) {
     const bool same = neighbours_[i].size() == degree[i];
     if (!same) since[i] = now;
     degree[i] = neighbours_[i].size();
-    // Before its hubs a joint needs an end that answers to all its rows, for its pivots.
+    // A joint needs an end that responds to all its rows before its hubs, for its pivots.
     if (supports_[i] == 0 && hubs_left_[i] > 0) return;
     if (!same || !queued[i]) queue.push({degree[i], since[i], i});
     queued[i] = true;

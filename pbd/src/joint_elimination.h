@@ -10,31 +10,30 @@
 
 namespace tandem::pbd {
 
-/// The order in which the nodes of one part of a JointGraph are eliminated, and whom each of them
-/// couples then. Nodes are numbered: joints as the edges are, then the hubs.
+/// The order in which the nodes of one part of a JointGraph are eliminated, and the nodes that each
+/// elimination couples. Joints are numbered like the edges, then hubs.
 ///
-/// Minimum degree; of those with the same that which has had it for longest, then the lowest
-/// number: a chain is eliminated from its ends at once, so that a processor finds work that does
-/// not wait for what it does already.
+/// Minimum degree; ties by the longest time at that degree, then by number. This
+/// eliminates a chain from both ends at once, which gives a processor independent work.
 class JointElimination {
  public:
   explicit JointElimination(std::span<const JointGraph::Edge> edges);
-  /// Only once. @return false where more than `most` block operations were needed
+  /// Call once. @return false if more than `most` block operations were needed
   bool run(std::size_t most);
 
   std::uint32_t node_count() const { return static_cast<std::uint32_t>(neighbours_.size()); }
   const std::vector<std::uint32_t>& bodies() const { return bodies_; }  ///< ascending
-  /// Place of a body in bodies(); kNone of kNone.
+  /// Index of a body in bodies(); kNone for kNone.
   std::uint32_t local(std::uint32_t body) const;
   const std::vector<std::uint32_t>& joints_of(std::uint32_t local_body) const {
     return joints_of_[local_body];
   }
-  /// The node of a body that is a hub; kNone of others.
+  /// The node of a hub body; kNone for other bodies.
   std::uint32_t hub_of(std::uint32_t local_body) const { return hub_of_[local_body]; }
   std::uint32_t body_of_hub(std::uint32_t node) const { return body_of_hub_[node - edges_.size()]; }
   const std::vector<std::uint32_t>& order() const { return order_; }      ///< nodes
-  std::uint32_t place(std::uint32_t node) const { return place_[node]; }  ///< in order()
-  /// Places of the neighbours that the node at this place has when it is eliminated, ascending.
+  std::uint32_t place(std::uint32_t node) const { return place_[node]; }  ///< index in order()
+  /// Places of the neighbours that the node at `place` has when it is eliminated, ascending.
   std::vector<std::uint32_t> later_places(std::uint32_t place) const;
 
  private:
@@ -47,10 +46,10 @@ class JointElimination {
   std::vector<std::uint32_t> bodies_;
   std::vector<std::vector<std::uint32_t>> joints_of_;   ///< by local body
   std::vector<std::uint32_t> hub_of_;                   ///< by local body
-  std::vector<std::uint32_t> body_of_hub_;              ///< local
+  std::vector<std::uint32_t> body_of_hub_;              ///< local indices
   std::vector<std::vector<std::uint32_t>> neighbours_;  ///< ascending
-  std::vector<int> supports_;   ///< ends of a joint that answer to all its rows
-  std::vector<int> hubs_left_;  ///< hubs of a joint that are not eliminated yet
+  std::vector<int> supports_;   ///< ends of a joint that respond to all its rows
+  std::vector<int> hubs_left_;  ///< hubs of a joint not yet eliminated
   std::vector<std::uint32_t> order_;
   std::vector<std::uint32_t> place_;
   std::vector<std::vector<std::uint32_t>> later_of_;

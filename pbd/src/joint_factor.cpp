@@ -5,8 +5,8 @@
 namespace tandem::pbd {
 namespace {
 
-/// Right-looking. Joints have positive pivots, hubs negative ones, stored with their sign turned.
-/// @param size  of a node: its rows
+/// Right-looking. Joints have positive pivots; hubs have negative ones, stored with opposite sign.
+/// @param size  rows of a node
 void factor(const JointPart& part, auto&& size) {
   JointData& all = part.all;
   for (std::uint32_t k = part.plan.node; k < part.plan.node + part.plan.node_count; ++k) {
@@ -27,7 +27,7 @@ void factor(const JointPart& part, auto&& size) {
       double product[block::kMaxRows * block::kMaxRows];
       block::multiply(own, inverse, rows, n, n, product);
       if (plan.joint == JointGraph::kNone) block::negate(product, rows * n);
-      // Those before it are blocks of L by now.
+      // Earlier ones are blocks of L by now.
       for (std::uint32_t j = 0; j < i; ++j) {
         const JointGraph::Later& other = all.graph.later()[plan.later + j];
         block::subtract_product(own, &all.values[other.block], rows, n, size(other.node),

@@ -6,10 +6,10 @@
 
 namespace tandem::pbd {
 
-/// Block LDL^T of a part's matrix in place: the diagonal blocks end as inverses, the others as
-/// blocks of L.
+/// Block LDL^T of a part's matrix in place: diagonal blocks become inverses, the others blocks of
+/// L.
 void factor(const JointPart& part);
-/// Solve for the part's right-hand side, in place.
+/// Solves for the part's right-hand side, in place.
 void solve(const JointPart& part);
 
 }  // namespace tandem::pbd

@@ -12,8 +12,8 @@ namespace tandem::pbd {
 namespace {
 
 constexpr int kHubRows = 6;
-/// Block operations that fill-in may cost for each node: a lattice of 30 x 30 bodies takes 300.
-/// Loops that are cut part by a centimetre and lose energy, so that is for what would take seconds.
+/// Limit of block operations for fill-in per node: a lattice of 30 x 30 bodies takes 300. Cut
+/// loops open by a centimetre and lose energy, so only cases that would take seconds are cut.
 constexpr std::size_t kUpdatesPerNode = 500;
 
 class Sets {
@@ -28,7 +28,7 @@ class Sets {
     }
     return i;
   }
-  /// @return whether they were apart
+  /// @return whether the two sets were separate
   bool join(std::uint32_t a, std::uint32_t b) {
     a = root(a);
     b = root(b);
@@ -63,12 +63,12 @@ void JointGraph::build(std::span<const Edge> edges) {
   for (const Edge& edge : edges) {
     if (edge.a != kNone && edge.b != kNone) islands.join(edge.a, edge.b);
   }
-  // Joints by island, in the order of the lowest joint of each.
+  // Joints by island, in the order of each island's lowest joint.
   std::vector<std::vector<Edge>> groups;
   std::vector<std::uint32_t> group_of(body_count, kNone);
   for (const Edge& edge : edges) {
     const std::uint32_t body = edge.b != kNone ? edge.b : edge.a;
-    if (body == kNone) continue;  // neither end can move
+    if (body == kNone) continue;  // both ends are immovable
     std::uint32_t& group = group_of[islands.root(body)];
     if (group == kNone) {
       group = static_cast<std::uint32_t>(groups.size());
@@ -78,7 +78,7 @@ void JointGraph::build(std::span<const Edge> edges) {
   }
   for (const std::vector<Edge>& group : groups) {
     if (add_part(group, true)) continue;
-    // Too many loops: a spanning tree together, what closes a loop one by one.
+    // Too many loops: a spanning tree as one part, the joints that close loops one by one.
     Sets trees(body_count);
     std::vector<Edge> tree;
     std::vector<Edge> closing;
@@ -171,7 +171,7 @@ void JointGraph::place_updates(const Part& part) {
     Node& node = nodes_[part.node + k];
     node.update = static_cast<std::uint32_t>(updates_.size());
     updates_.resize(updates_.size() + (node.later_count + 1) * node.later_count / 2);
-    // Row i ends with the diagonal. What a node meets later its neighbours meet as well.
+    // Row i ends with the diagonal. Later neighbours of a node are neighbours of each other.
     for (std::uint32_t j = 0; j < node.later_count; ++j) {
       const Node& other = nodes_[later_[node.later + j].node];
       updates_[node.update + j * (j + 1) / 2 + j] = other.diagonal;

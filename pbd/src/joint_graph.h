@@ -10,38 +10,38 @@ namespace tandem::pbd {
 
 class JointElimination;
 
-/// The plan of a sparse block elimination over joints: which blocks there are, in which order they
-/// are eliminated, and which block each elimination changes. Made anew when joints come or go; how
-/// much room for rows it has beyond those that there are is of no matter to any number.
+/// The plan of a sparse block elimination over joints: the blocks, the order of elimination, and
+/// the blocks that each elimination changes. Rebuilt when joints are added or removed. Spare room
+/// for rows does not affect results.
 ///
-/// A node is a joint (its rows) or a hub: a body of so many joints that joining each of them with
-/// each other would cost more than keeping the body's six unknowns. Two joints are neighbours where
-/// they share a body that is no hub; a hub is the neighbour of its joints. Parts are solved one
-/// after the other; joints of different parts share a body only where a loop was cut because its
-/// fill-in would cost too much.
+/// A node is a joint (its rows) or a hub: a body with so many joints that coupling all of them
+/// would cost more than keeping the body's six unknowns. Two joints are neighbours if they share a
+/// body that is no hub; a hub is a neighbour of its joints. Parts are solved one after the other.
+/// Joints of different parts share a body only if a loop was cut because its fill-in would cost too
+/// much.
 class JointGraph {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  /// What the plan is made from. Bodies that cannot move are kNone.
+  /// Input of the plan. Immovable bodies are kNone.
   struct Edge {
     std::uint32_t joint, a, b;
-    int rows;            ///< at most
-    bool point = false;  ///< three rows of a point, always all of them
-    /// No axis of the body's rotation is locked: it answers to all rows.
+    int rows;            ///< largest number
+    bool point = false;  ///< always exactly the three rows of a point
+    /// No axis of the body's rotation is locked: it responds to all rows.
     bool turns_a = true, turns_b = true;
   };
   struct Node {
     std::uint32_t joint = kNone;                   ///< kNone for a hub
-    std::uint32_t slot_a = kNone, slot_b = kNone;  ///< into bodies(); a hub's own is slot_b
-    std::uint32_t diagonal = 0;                    ///< into the values
-    std::uint32_t later = 0, later_count = 0;      ///< into later()
-    std::uint32_t update = 0;  ///< into updates(), (count + 1) count / 2 of them
-    std::uint32_t right = 0;   ///< into the right-hand side
-    int rows = 0;              ///< at most
+    std::uint32_t slot_a = kNone, slot_b = kNone;  ///< index into bodies(); a hub's own is slot_b
+    std::uint32_t diagonal = 0;                    ///< index into the values
+    std::uint32_t later = 0, later_count = 0;      ///< index into later()
+    std::uint32_t update = 0;  ///< index into updates(), (count + 1) count / 2 entries
+    std::uint32_t right = 0;   ///< index into the right-hand side
+    int rows = 0;              ///< largest number
     bool point = false;        ///< see Edge
   };
-  /// A neighbour that is eliminated later, and the block (its rows x the node's) between the two.
+  /// A neighbour that is eliminated later, and the block (its rows x the node's) between them.
   struct Later {
     std::uint32_t node, block, right;
   };
@@ -54,12 +54,12 @@ class JointGraph {
     std::uint32_t body, body_count;
     std::uint32_t link, link_count;
     std::uint32_t value, value_count;
-    bool regular;  ///< neither a loop nor two ways to what cannot move: rows are independent
-    bool points;   ///< all nodes are joints of three rows that are always there
+    bool regular;  ///< no loop and at most one path to an immovable body: rows are independent
+    bool points;   ///< all nodes are point joints, see Edge
   };
 
   void build(std::span<const Edge> edges);
-  /// Call the bodies by other names: `name(body)` in place of what the edges said.
+  /// Renames bodies to `name(body)`.
   void rename_bodies(auto&& name) {
     for (std::uint32_t& body : bodies_) body = name(body);
   }
@@ -68,7 +68,7 @@ class JointGraph {
   const std::vector<Later>& later() const { return later_; }
   const std::vector<std::uint32_t>& updates() const { return updates_; }
   const std::vector<Link>& links() const { return links_; }
-  /// By part, ascending by the numbers that the edges gave them.
+  /// By part, ascending by the numbers in the edges.
   const std::vector<std::uint32_t>& bodies() const { return bodies_; }
   const std::vector<std::uint8_t>& hubs() const { return hubs_; }  ///< by slot
   const std::vector<Part>& parts() const { return parts_; }
@@ -76,13 +76,13 @@ class JointGraph {
   std::uint32_t right_count() const { return right_count_; }
 
  private:
-  /// @return whether the fill-in stayed within what a part of this size may cost
+  /// @return whether the fill-in stayed within the limit for this size
   bool add_part(std::span<const Edge> edges, bool may_refuse);
   void place_nodes(std::span<const Edge> edges, const JointElimination& plan, const Part& part);
   void place_blocks(const JointElimination& plan, const Part& part);
   void place_updates(const Part& part);
   void place_links(const JointElimination& plan, const Part& part);
-  /// Offset of the block of two nodes, the earlier one first; kNone where there is none.
+  /// Offset of the block of two nodes, earlier one first; kNone if there is none.
   std::uint32_t block_between(std::uint32_t earlier, std::uint32_t later_node) const;
 
   std::vector<Node> nodes_;

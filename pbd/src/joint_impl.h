@@ -48,7 +48,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
     return by_body;
   }
 
-  /// The coordinates as they are into `c`; the ends of the joint where the caller wants them.
+  /// Writes the current coordinates to `c`.
   void place(const JointRecord& record, std::span<const SolverBody> bodies, double* c) const {
     const SolverBody ground;
     const SixDofJointDef& def = record.def;
@@ -59,7 +59,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
     return (record.def.a.valid() && bodies[record.def.a.index].shared) ||
            bodies[record.def.b.index].shared;
   }
-  /// See JointRecord::find_gap() and SubstepContext::displaced. Bodies of open gaps are marked.
+  /// See JointRecord::find_gap() and SubstepContext::displaced. Marks the bodies of open gaps.
   void find_gaps(const SubstepContext& ctx) {
     gaps = false;
     const SolverBody ground;
@@ -69,7 +69,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
     for (JointRecord& record : records) {
       if (!record.active()) continue;
       const SixDofJointDef& def = record.def;
-      // Where others have a say a joint may stay open for as long as they want it to.
+      // With agreement a joint may stay open for as long as the peers want it to.
       const SolverBody& b = ctx.bodies[def.b.index];
       if (b.agreed || (def.a.valid() && ctx.bodies[def.a.index].agreed)) {
         record.gap = {};
@@ -85,8 +85,8 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
       }
     }
   }
-  /// Those of the group. Of others no more is read than which group they are of: they may be solved
-  /// at the same time.
+  /// Visits joints of the group. Of other joints only the group is read: they may be solved at the
+  /// same time.
   void for_shared(const SubstepContext& ctx, auto&& visit) {
     for (JointRecord& record : records) {
       const SixDofJointDef& def = record.def;
@@ -96,7 +96,7 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
       if (in && record.active() && is_shared(record, ctx.bodies)) visit(record);
     }
   }
-  /// Whether any of its coordinates has a row and any of its ends can move.
+  /// Whether some coordinate has a row and some end can move.
   static bool is_solved(const JointRecord& record, std::span<const SolverBody> bodies) {
     const SixDofJointDef& def = record.def;
     return record.used != 0 && ((def.a.valid() && bodies[def.a.index].inv_mass > 0.0) ||
@@ -120,19 +120,19 @@ class __attribute__((visibility("hidden"))) JointBlock::Impl {
     return apart;
   }
 
-  std::vector<std::uint32_t> changed;  ///< bodies, until the next step
+  std::vector<std::uint32_t> changed;  ///< bodies to wake in the next step
   std::vector<BodyPair> apart;         ///< see kept_apart()
   bool apart_known = true;
   std::vector<JointRecord> records;
   std::vector<std::uint32_t> generations;
   std::vector<std::uint32_t> free;
   JointSystem system;
-  ByBody by_body;  ///< records; see named()
+  ByBody by_body;  ///< index of records; see named()
   int count = 0;
-  bool gaps = false;  ///< some joint has one to close in this step
-  /// Joints have come or gone; for what else ends a plan see JointSystem::fits().
+  bool gaps = false;  ///< some joint closes a gap in this step
+  /// Joints were added or removed; for other changes of the plan see JointSystem::fits().
   bool dirty = true;
-  bool natural = true;  ///< the order that the system was built with: slots
+  bool natural = true;  ///< the system was built in the order of slots
 };
 
 }  // namespace tandem::pbd

@@ -8,50 +8,50 @@
 
 #include "tandem/pbd/joint_def.h"
 
-/// The force of a coordinate of a joint as a function of where it is at the end of a substep.
+/// Force of a joint coordinate as a function of its value at the end of a substep.
 namespace tandem::pbd {
 
 /// A piece of a force law: (c - target) + at (lambda - offset) = 0, for multipliers low to high.
 struct Segment {
   enum class Kind : std::uint8_t { None, Lock, Lower, Upper, Motor, Spring };
-  Kind kind = Kind::None;  ///< None: lambda stays what it is
+  Kind kind = Kind::None;  ///< None: lambda is kept
   double target = 0.0;     ///< m or rad
   double at = 0.0;         ///< compliance / h^2
   double offset = 0.0;     ///< N s^2 or N m s^2
   double low = -kUnlimited, high = kUnlimited;
 
-  /// What a multiplier on it leaves of the row.
+  /// Residual of the row at a multiplier on this piece.
   double left(double c, double lambda) const { return -(c - target) - at * (lambda - offset); }
 };
 
 /// Multiplier as a function of the coordinate at the end of the substep: a decreasing graph of
-/// straight pieces (spring and damper), steps (motor) and walls (lock, limits). The multipliers of
-/// a part are the ones that minimise what its joints do, a convex sum with such a graph for each
-/// row: no other ones take as much energy (see joint_six_dof::gather()).
+/// linear pieces (spring and damper), steps (motor) and walls (lock, limits). The multipliers of a
+/// part minimise the work of its joints, a convex sum with such a graph per row; no others take as
+/// much energy (see joint_six_dof::gather()).
 struct ForceLaw {
   bool locked = false;
   bool limited = false;
-  double target = 0.0;  ///< locked: where
+  double target = 0.0;  ///< locked: held value
   double at = 0.0;      ///< locked: compliance / h^2
   double lower = -kUnlimited, upper = kUnlimited;
   double stop_k = 0.0;  ///< h^2 / compliance + h damping of the stops; 0 = rigid
-  double lower_target = 0.0, upper_target = 0.0;  ///< where a soft stop's force is 0
+  double lower_target = 0.0, upper_target = 0.0;  ///< position of zero force of a soft stop
   double spring_k = 0.0;                          ///< h^2 stiffness + h damping; 0 = none
   double spring_target = 0.0;
-  double servo_k = 0.0;  ///< the same of a servo; 0 = none
+  double servo_k = 0.0;  ///< the same for a servo; 0 = none
   double servo_target = 0.0;
-  double servo_max = 0.0;  ///< h^2 max_force of it
+  double servo_max = 0.0;  ///< h^2 max_force of the servo
   double motor_max = 0.0;  ///< h^2 max_force; 0 = none
   double motor_target = 0.0;
   bool powered = false;  ///< the motor or spring can do work
 
-  /// Whether a multiplier alone does not tell the piece: it is at the bound of a motor or brake, or
-  /// a limit has none.
+  /// Whether the multiplier alone does not determine the piece: it is at the bound of a motor or
+  /// brake, or a limit has none.
   bool is_corner(double lambda) const {
     return !locked && spring_k == 0.0 && std::abs(lambda) == motor_max + servo_max;
   }
-  /// The multiplier on the graph that is nearest to one of another substep; corners, which its
-  /// length may have rounded, are hit.
+  /// The multiplier on the graph nearest to one of another substep. Snaps to corners, which a
+  /// different substep length may have rounded.
   double nearest(double lambda) const {
     constexpr double kRounding = 1e-12;  // of the multiplier
     if (locked || spring_k > 0.0) return lambda;
@@ -60,7 +60,7 @@ struct ForceLaw {
     const bool beyond = limited && size > most * (1.0 + kRounding);
     return beyond || size < most * (1.0 - kRounding) ? lambda : std::copysign(most, lambda);
   }
-  /// The piece of the graph that lambda lies on; at a corner, the one that leads towards c.
+  /// The piece of the graph at lambda; at a corner, the one towards c.
   Segment segment(double c, double lambda) const {
     using Kind = Segment::Kind;
     if (locked) return {Kind::Lock, target, at};
@@ -108,8 +108,8 @@ struct ForceLaw {
     return {};
   }
 
-  /// The change of the multiplier that a row by itself calls for: along the graph, which has five
-  /// pieces at most, and two more with a servo.
+  /// The change of the multiplier that a row alone asks for: along the graph, which has at most
+  /// five pieces, and two more with a servo.
   double multiplier(double c, double lambda, double w) const {
     const double before = lambda;
     for (int piece = 0; piece < 7; ++piece) {
@@ -125,14 +125,14 @@ struct ForceLaw {
   }
 
  private:
-  /// Of spring and servo at c.
+  /// Multiplier of spring and servo at c.
   double soft(double c) const {
     const double spring = spring_k > 0.0 ? -spring_k * (c - spring_target) : 0.0;
     if (servo_k == 0.0) return spring;
     return spring + std::clamp(-servo_k * (c - servo_target), -servo_max, servo_max);
   }
-  /// A piece to which the servo is added: steeper while that is within its bound, else as steep as
-  /// before. One of infinite compliance is none but for the servo.
+  /// Adds the servo to a piece: steeper while the servo is within its bound, else shifted. A piece
+  /// of infinite compliance is the servo alone.
   Segment bent(Segment piece, double c, double lambda) const {
     const double k = piece.at < kUnlimited ? 1.0 / piece.at : 0.0;
     const auto corner = [&](double c_at, double most) {
@@ -158,7 +158,7 @@ struct ForceLaw {
   }
 };
 
-/// Whether a spring or motor can do work; a motor that is to stand still is a brake.
+/// Whether a spring or motor can do work; a motor with target speed 0 is a brake.
 inline bool is_powered(const JointAxis& axis) {
   const JointMotor& motor = axis.motor;
   return axis.spring.stiffness > 0.0 || axis.spring.frequency > 0.0 ||
@@ -166,7 +166,7 @@ inline bool is_powered(const JointAxis& axis) {
          (motor.mode == MotorMode::Velocity && motor.target != 0.0);
 }
 
-/// A servo, and the dry friction beside it.
+/// Adds a servo and dry friction.
 inline void add_servo(ForceLaw& law, const JointAxis& axis, double c_start, double h) {
   const JointMotor& motor = axis.motor;
   const double pull = h * h * motor.stiffness;
@@ -184,13 +184,13 @@ inline void add_servo(ForceLaw& law, const JointAxis& axis, double c_start, doub
 
 /// The law of an axis in the real channel.
 /// @param c_start   coordinate at the start of the substep
-/// @param residual  what agreement left
+/// @param residual  left by agreement
 inline ForceLaw force_law(const JointAxis& axis, double c_start, double residual, double h) {
   ForceLaw law;
   const double h2 = h * h;
   const bool rigid = axis.compliance == 0.0;
   const double k = rigid ? 0.0 : h2 / axis.compliance + h * axis.damping;
-  // Where a spring to `rest` with that damping pulls to: the damper holds on to the start.
+  // Rest position of a spring with that damping: the damper pulls to the start.
   const auto soft = [&](double rest) {
     return (h2 / axis.compliance * rest + h * axis.damping * c_start) / k;
   };
@@ -223,15 +223,15 @@ inline ForceLaw force_law(const JointAxis& axis, double c_start, double residual
       const double reach = h * axis.motor.max_speed;
       move = std::clamp(axis.motor.target - c_start, -reach, reach);
     }
-    // A limit is stronger than any motor: it never aims beyond.
+    // A limit is stronger than any motor: the motor never aims beyond it.
     law.motor_target = std::clamp(c_start + move, law.lower, law.upper);
   }
   law.powered = is_powered(axis);
   return law;
 }
 
-/// The same for the displacement channel: keep `bound`, what Real has, no more and no less.
-/// Springs resist; motors do where they could hold against anything.
+/// Law in the displacement channel: keep `bound`, the real channel's value, exactly. Springs
+/// resist; motors do if they could hold against anything.
 inline ForceLaw displacement_law(const JointAxis& axis, double bound, double h) {
   ForceLaw law;
   if (axis.freedom == Freedom::Locked) {

@@ -7,8 +7,8 @@ namespace {
 
 constexpr std::uint32_t kNoSlot = JointGraph::kNone;
 
-/// A hub's own rows, with the sign turned: its mass. One that is held, and an axis about which it
-/// does not turn, counts as a unit mass that no joint can reach.
+/// Sets a hub's diagonal block: its mass, with opposite sign. A held hub and a locked axis count as
+/// a unit mass that no joint can reach.
 void put_hub(const JointSlot& slot, double* diagonal) {
   Eigen::Map<Eigen::Matrix<double, 6, 6>> mass(diagonal);
   mass.setIdentity();
@@ -20,7 +20,7 @@ void put_hub(const JointSlot& slot, double* diagonal) {
   }
 }
 
-/// A joint's own rows.
+/// Sets a joint's diagonal block.
 void put_diagonal(JointData& all, std::uint32_t k) {
   const JointGraph::Node& plan = all.graph.nodes()[k];
   const JointNode& node = all.nodes[k];

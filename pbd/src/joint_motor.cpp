@@ -6,9 +6,9 @@ namespace tandem::pbd {
 namespace {
 
 constexpr double kArrived = 1e-6;     // m or rad
-constexpr double kFull = 1.0 - 1e-6;  // of its force: from here on its load is too much
+constexpr double kFull = 1.0 - 1e-6;  // share of its force: from here on the load is too much
 
-/// Whether the motor of a coordinate moves the joint on.
+/// Whether the motor of a coordinate moves the joint.
 bool motor_runs(const JointRecord& record, int c) {
   const JointAxis axis = record.axis(c);
   const JointMotor& motor = axis.motor;
@@ -17,7 +17,7 @@ bool motor_runs(const JointRecord& record, int c) {
   const double upper = limited ? axis.upper : kUnlimited;
   const double at = record.state.position[static_cast<std::size_t>(c)];
   if (motor.mode == MotorMode::Off) return false;
-  // A servo rests where it does, as a spring: it need not have arrived.
+  // A position servo rests like a spring: it need not have arrived.
   if (motor.mode == MotorMode::Position && motor.stiffness > 0.0) return false;
   if (motor.mode == MotorMode::Velocity) {
     if (motor.target == 0.0) return false;
@@ -25,14 +25,14 @@ bool motor_runs(const JointRecord& record, int c) {
   } else if (std::abs(at - std::clamp(motor.target, lower, upper)) <= kArrived) {
     return false;
   }
-  // What it pulls with where nothing moves.
+  // Its pull when nothing moves.
   const double most = motor.is_servo()
                           ? std::min(motor.max_force, motor.damping * std::abs(motor.target))
                           : motor.max_force;
   return !(std::abs(record.state.load[static_cast<std::size_t>(c)]) >= kFull * most);
 }
 
-/// Whether the motor of a ball moves the joint on.
+/// Whether the motor of a ball moves the joint.
 bool drive_runs(const JointRecord& record) {
   const BallDrive::Motor& motor = record.def.drive.motor;
   if (motor.mode == MotorMode::Off) return false;

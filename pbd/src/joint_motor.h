@@ -6,8 +6,7 @@
 
 namespace tandem::pbd {
 
-/// Whether any motor moves the joint on: it has not arrived, no limit stops it, and it manages its
-/// load.
+/// Whether any motor moves the joint: it has not arrived, is not at a limit, and can move its load.
 bool motors_run(const JointRecord& record);
 
 }  // namespace tandem::pbd

@@ -12,30 +12,30 @@
 namespace tandem::pbd {
 namespace {
 
-/// Loops that add energy are solved again with this much more compliance, so often at most.
+/// Loops that add energy are solved again with this factor of more compliance, at most so often.
 constexpr double kSofter = 100.0;
 constexpr int kSoften = 2;
-/// Moves that shrink less than this from iteration to iteration call for a better matrix.
+/// Moves that shrink less than this per iteration need a better matrix.
 constexpr double kSlow = 0.3;
-/// m; smaller moves are rounding as like as not.
+/// m; smaller moves are mostly rounding.
 constexpr double kFine = 1e-7;
-/// Part of the tolerance. At the default 60 um/s^2 are left of a substep's load: a net of 30 x 30
-/// balls that has come to rest takes 0.4 of the time and moves by 1e-9 m. A hundred times as much
-/// keeps it moving.
+/// Share of the tolerance. At the default 60 um/s^2 are left of a substep's load: a net of 30 x 30
+/// balls at rest takes 0.4 of the time and moves by 1e-9 m. A hundred times as much keeps it
+/// moving.
 constexpr double kSettled = 2e-4;
-/// m/s; a net that swings faster is not looked at for that, which costs a tenth of a solve. One of
-/// 30 x 30 balls that comes to rest is as cheap with it.
+/// m/s; faster nets are not tested for this, which costs a tenth of a solve. One of 30 x 30 balls
+/// that comes to rest is as cheap with it.
 constexpr double kSlowNet = 0.1;
-/// rad; bodies turn no further in one iteration.
+/// rad; trust region: bodies turn no further in one iteration.
 constexpr double kTrust = 0.5;
-/// Where a gap is closed bodies are so much easier to shift than to turn, against their inertia.
-/// What hangs on an anchor that is put 10 m to the side is dragged along, else, and swings at 11
-/// rad/s when it has arrived.
+/// While a gap closes, bodies are this much easier to shift than to turn, relative to their
+/// inertia. Otherwise bodies that hang on an anchor placed 10 m to the side are dragged along, and
+/// swing at 11 rad/s at the end.
 constexpr double kClosingTurn = 1e-3;
-/// rad: smaller turns do not matter.
+/// rad: smaller turns are ignored.
 constexpr double kNoTurn = 1e-13;
 
-/// Moves that shrink as those of a matrix that stays go on to do so: what they have left to go.
+/// Remaining distance of moves that shrink geometrically, as with a constant matrix.
 double rest_of(double move, double before) {
   const double rate = move / before;
   return rate < kSlow ? move * rate / (1.0 - rate) : move;
@@ -92,7 +92,7 @@ void prepare(const JointPart& part) {
   weigh(part);
 }
 
-/// Contacts have been solved since: what follows is counted, and started anew, from here.
+/// Contacts have been solved since: energy is counted, and the solve restarted, from here.
 void begin_iteration(const JointPart& part) {
   part.progress.work += work_of(part);
   part.progress.position_iteration = part.ctx.iteration;
@@ -103,9 +103,9 @@ void begin_iteration(const JointPart& part) {
   });
 }
 
-/// Turn the body by slot.dtheta. Where it spins about another axis the correction is an impulse at
-/// the start of the substep, from where it turns freely with its new angular momentum: turning it
-/// afterwards is right to first order in w h only, and costs a fast top its spin.
+/// Turns the body by slot.dtheta. If it spins about another axis, the correction is an impulse at
+/// the start of the substep, followed by free rotation with the new angular momentum. Turning it
+/// afterwards is right only to first order in w h, and costs a fast top its spin.
 void turn(SolverBody& body, JointSlot& slot, double h) {
   if (slot.alone && !slot.carried &&
       h * h * slot.w.cross(slot.dtheta).squaredNorm() > kNoTurn * kNoTurn) {
@@ -128,9 +128,8 @@ void turn(SolverBody& body, JointSlot& slot, double h) {
   body.q = free_rotation(slot.q_start, local.principal, w_l, h);
 }
 
-/// A turn that no gradient reaches is taken in parts: scale the moves to what one iteration may
-/// turn a body by.
-/// @return whether they are
+/// Scales large turns to the trust region, since gradients do not reach that far.
+/// @return whether it did
 bool limit_turns(const JointPart& part) {
   double turn2 = 0.0;
   part.for_bodies([&](const JointSlot& slot, const SolverBody&) {
@@ -170,7 +169,7 @@ double move_bodies(const JointPart& part) {
   return std::sqrt(largest);
 }
 
-/// Whether no row is off by more than a small part of the tolerance.
+/// Whether every row is within a small share of the tolerance.
 bool is_settled(const JointPart& part) {
   joint_points::evaluate(part);
   double most = 0.0;
@@ -181,7 +180,8 @@ bool is_settled(const JointPart& part) {
   return most <= kSettled * part.ctx.joint_tolerance;
 }
 
-/// Whether no body of a part is fast, but for what gravity has given it in this substep.
+/// Whether the bodies of a part are slow, apart from the velocity that gravity adds in this
+/// substep.
 bool is_slow(const JointPart& part) {
   bool slow = true;
   part.for_bodies([&](const JointSlot&, const SolverBody& body) {
@@ -191,10 +191,10 @@ bool is_slow(const JointPart& part) {
   return slow;
 }
 
-/// Before the first iteration bodies go where the forces of the last substep bring them. Loops keep
+/// Warm start: before the first iteration bodies move by the forces of the last substep. Loops keep
 /// only those of brakes: the load that redundant rows share has no effect until the bodies turn,
-/// and in a slider-crank it then grows a hundredfold from substep to substep. Nets, whose matrix
-/// costs most, are left there if nothing else has to move.
+/// and in a slider-crank it then grows a hundredfold per substep. Nets, whose matrix costs most,
+/// end here if nothing else has to move.
 /// @return whether nothing has
 bool start(const JointPart& part) {
   prepare(part);
@@ -214,8 +214,8 @@ bool start(const JointPart& part) {
   return false;
 }
 
-/// Rows of several kinds: of those that come to a corner of their law on the way the multiplier
-/// stays there. Which ones leave it again the next iteration finds.
+/// For rows of several kinds: a multiplier that reaches a corner of its law stays there. The next
+/// iteration finds which ones leave it again.
 double newton_by_pieces(const JointPart& part) {
   JointProgress& progress = part.progress;
   progress.changed = joint_six_dof::evaluate(part) || progress.left_pieces;
@@ -254,7 +254,7 @@ double newton(const JointPart& part) {
   return move_bodies(part);
 }
 
-/// Whether a part that held does so still: no other rows have moved its bodies since.
+/// Whether a part that was converged still is: no other rows have moved its bodies since.
 bool still_holds(const JointPart& part) {
   bool same = part.progress.holds;
   if (!same) return false;
@@ -264,8 +264,8 @@ bool still_holds(const JointPart& part) {
   return same;
 }
 
-/// Whether the first iteration has moved a row to another piece of its law: onto a limit, say, that
-/// gravity alone did not reach. Later ones find that as they begin.
+/// Whether the first iteration has moved a row to another piece of its law, for example onto a
+/// limit that gravity alone did not reach. Later iterations find that when they begin.
 bool leaves_pieces(const JointPart& part) {
   JointProgress& progress = part.progress;
   if (part.plan.points || progress.iteration > 1) return false;
@@ -284,8 +284,8 @@ void note_whether_it_holds(const JointPart& part, double left) {
 double iterate(const JointPart& part) {
   JointProgress& progress = part.progress;
   if (progress.channel == JointChannel::Displacement) {
-    // Bodies go as far as their targets, so each iteration takes the gradients where they are; and
-    // the clean-up, which comes last, has the bodies' own masses again.
+    // Bodies move as far as their targets, so each iteration takes new gradients; the final
+    // clean-up uses the bodies' own masses again.
     take_gradients(part);
     prepare(part);
     return newton(part);
@@ -323,7 +323,7 @@ double iterate(const JointPart& part) {
     weigh(part);
     progress.factored = false;
   }
-  if (progress.pinned) return std::max(progress.last_move, kTrust);  // they may be wanted again
+  if (progress.pinned) return std::max(progress.last_move, kTrust);  // pins may come off
   return progress.iteration > 1 && !progress.changed ? rest_of(progress.last_move, before)
                                                      : progress.last_move;
 }

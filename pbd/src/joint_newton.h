@@ -7,7 +7,7 @@
 namespace tandem::pbd {
 
 /// One Newton iteration of a part: rows from poses, poses from multipliers.
-/// @return how far the bodies may still be from where they belong, m
+/// @return estimate of the remaining error of bodies, m
 double newton_iteration(const JointPart& part);
 
 }  // namespace tandem::pbd

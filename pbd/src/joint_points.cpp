@@ -171,7 +171,7 @@ void gather(const JointPart& part) {
   part.for_nodes([&](std::uint32_t, const JointGraph::Node& plan, JointNode& node) {
     const Vec3 p = Eigen::Map<const Vec3>(&part.all.right[plan.right]);
     for (int i = 0; i < 3; ++i) node.lambda[i] += p[i];
-    // Impulses first; what they move comes once for each body.
+    // Impulses first; each body's move then follows once.
     if (plan.slot_a != JointGraph::kNone) {
       JointSlot& slot = slots[plan.slot_a];
       slot.dx -= p;

@@ -4,9 +4,9 @@
 
 #include "joint_part.h"
 
-/// Parts of the joint graph that are made of ball joints alone: the same rows as any, in three by
-/// three blocks that are always there. A joint that breaks within a step keeps a block of its own.
-/// The functions are those of joint_six_dof.h.
+/// Parts of the joint graph made of ball joints alone: the same rows as any joint's, in 3 x 3
+/// blocks that always exist. A joint that breaks within a step keeps a block of its own. For the
+/// functions see joint_six_dof.h.
 namespace tandem::pbd::joint_points {
 
 void begin(const JointPart& part);

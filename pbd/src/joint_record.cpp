@@ -11,7 +11,7 @@
 namespace tandem::pbd {
 namespace {
 
-// To save or to load.
+// Lists fields for saving or loading.
 void axis_fields(auto& io, auto& axis) {
   io(axis.freedom, axis.motor.mode, axis.lower, axis.upper, axis.compliance, axis.damping,
      axis.spring.stiffness, axis.spring.rest, axis.spring.damping, axis.spring.frequency,
@@ -40,7 +40,7 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
 
 namespace {
 
-/// Friction as a motor that stands; a spring of a frequency with stiffness and damping.
+/// Friction as a motor at speed 0; a spring given by frequency gets stiffness and damping.
 JointAxis resolved(JointAxis axis, double mass) {
   if (axis.friction > 0.0 && axis.motor.mode == MotorMode::Off) {
     axis.motor = {.mode = MotorMode::Velocity, .target = 0.0, .max_force = axis.friction};

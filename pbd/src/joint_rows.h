@@ -12,25 +12,25 @@
 #include "tandem/pbd/joint_def.h"
 #include "tandem/pbd/portable.h"
 
-/// The coordinates of a joint, their gradients, and what is left of them.
+/// The coordinates of a joint, their gradients and residuals.
 /// Legend: rel = rotation of frame b in frame a = swing * twist about x; e = x axis of b in frame
 /// a; phi = angle between the x axes; u = unit axis of the swing.
 namespace tandem::pbd {
 
-/// Displacements x y z, twist, swing y, swing z, cone (= phi), and the turn since the substep began
-/// about the three axes of frame a, where a drive acts.
+/// Displacements x y z, twist, swing y, swing z, cone (= phi), and the turn since the start of the
+/// substep about the three axes of frame a, where a drive acts.
 inline constexpr int kCoordinates = 10;
 inline constexpr int kTwist = 3;
 inline constexpr int kCone = 6;
 inline constexpr int kDrive = 7;
 
-/// Angle equal to `angle` up to whole turns, nearest to `near`.
+/// Angle equal to `angle` modulo 2 pi, nearest to `near`.
 inline double nearest_turn(double angle, double near) {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   return angle + kTurn * std::round((near - angle) / kTurn);
 }
 
-/// Where the frames of a joint stand, in the world.
+/// Frames of a joint in the world.
 struct JointPlace {
   Vec3 r_a, r_b;  ///< m, from the centres of mass to the anchors
   Vec3 d;         ///< m, from the anchor of a to that of b
@@ -45,14 +45,13 @@ struct JointPlace {
   }
 };
 
-/// Rotation of frame b in frame a, as twist and swing. Beyond half a turn of swing there is no
-/// telling it from twist, so what turns about one axis alone has that as its x: see
-/// JointRecord::turning.
+/// Rotation of frame b in frame a, as twist and swing. Beyond half a turn of swing the two are
+/// ambiguous, so a joint with a single free axis uses that as its x: see JointRecord::turning.
 struct JointTurn {
   double twist;  ///< rad, -pi to pi
   double phi;    ///< rad, 0 to pi
   Vec3 e;        ///< x axis of b in frame a
-  Vec3 u;        ///< axis of the swing, in frame a; any one across x where there is none
+  Vec3 u;        ///< axis of the swing, in frame a; any axis perpendicular to x if the swing is 0
   double scale;  ///< phi / sin(phi), bounded
 
   static JointTurn of(const Quat& rel) {
@@ -70,48 +69,49 @@ struct JointTurn {
         across > kSmall ? std::min(turn.phi / across, 1e3) : (turn.e.x() > 0.0 ? 1.0 : 1e3);
     return turn;
   }
-  /// Component of the rotation vector of the swing, axis 1 (y) or 2 (z).
+  /// Component of the swing's rotation vector, axis 1 (y) or 2 (z).
   double swing(int axis) const { return phi * u[axis]; }
-  /// d twist / d(rotation of b against a), in frame a.
+  /// d twist / d(rotation of b relative to a), in frame a.
   Vec3 twist_gradient() const { return (Vec3::UnitX() + e) / std::max(1.0 + e.x(), 1e-6); }
-  /// The same for the swing's component: along u the angle changes, across it the direction.
+  /// The gradient of the swing's component: along u the angle changes, across it the direction.
   Vec3 swing_gradient(int axis) const {
     return u[axis] * u + scale * Vec3::UnitX().cross(u)[axis] * e.cross(u);
   }
 };
 
-/// The same rotation where `axis` is called x, and those that follow it y and z.
+/// The same rotation with axes renamed cyclically: `axis` becomes x.
 inline Quat turned_axes(const Quat& rel, int axis) {
   const Vec3 v = rel.vec();
   return {rel.w(), v[axis], v[(axis + 1) % 3], v[(axis + 2) % 3]};
 }
 
-/// What the displacement channel left of a rigid row that should have kept `bound`. A soft row
-/// has none: its stretch is a force.
+/// What the displacement channel left of a rigid row that should have kept `bound`. 0 for a soft
+/// row: its stretch is a force.
 inline double residual_of(const JointAxis& axis, double c, double bound) {
   if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
   if (axis.freedom == Freedom::Locked) return c - bound;
   return c - std::clamp(c, std::min(axis.lower, bound), std::max(axis.upper, bound));
 }
 
-/// The same where nothing was kept: all that the row violates.
+/// The whole violation of a row, if nothing was kept.
 inline double residual_of(const JointAxis& axis, double c) {
   return residual_of(axis, c,
                      axis.freedom == Freedom::Locked ? 0.0 : std::clamp(c, axis.lower, axis.upper));
 }
 
-/// m or rad. Of what contacts leave of a row more than this is a gap and closes by displacement:
-/// two capsules that overlap by 4 cm at first and hang on ball joints came to 24 J by closing it
-/// with velocity.
+/// m or rad. A residual larger than this that contacts leave of a row is a gap and closes by
+/// displacement: two capsules with an initial overlap of 4 cm on ball joints came to 24 J when it
+/// was closed with velocity.
 inline constexpr double kLeft = 2e-3;
 
-/// The residual of a row as a substep begins. What contacts, which are solved after joints, have
-/// left of it is no violation that the next substep may take back, with the velocity of a whole
-/// closing in a substep: joints and contacts would reflect where they should project, so that limbs
-/// that lie on the ground tremble for ever, and those that fall on their end are thrown up.
+/// The residual of a row at the start of a substep. Contacts are solved after joints. What they
+/// leave of a row must not be taken back with the velocity that closes all of it in the next
+/// substep: joints and contacts would then reflect instead of project, so that limbs on the ground
+/// tremble for ever, and those that fall on their end are thrown up.
 /// @param left  by contacts, in the last substep of this step: between steps applications move
+///   bodies
 /// @param displaced  the displacement channel closes it
-/// @param most  of it closes with velocity
+/// @param most  bound on the part that closes with velocity
 inline double residual_at_start(const JointAxis& axis, double c, double residual, bool left,
                                 bool displaced, double h, double most = kUnlimited) {
   if (left) residual = residual_of(axis, c);
@@ -119,18 +119,17 @@ inline double residual_at_start(const JointAxis& axis, double c, double residual
   return residual - std::clamp(residual, -most, most) * (1.0 - residual_decay(h));
 }
 
-/// Of a joint that was added, or whose bodies were put, away from where it wants them: what it
-/// violates closes by displacement, no faster than this. A blow of that size would be a hard one;
-/// limbs that start outside their limits are back within half a second.
+/// Bounds on closing by displacement, for joints that were added violated or whose bodies were
+/// placed. An impact at these speeds would be a hard one; limbs that start outside their limits are
+/// back within half a second.
 inline constexpr double kClosingSpeed = 5.0;  // m/s, of anchors
 inline constexpr double kClosingSpin = 10.0;  // rad/s
 
-/// What is left of a gap where a row has come to c that was to come to `bound`, and to leave
-/// `rest`.
+/// Remaining gap of a row that has reached c and aimed at `bound`, with `rest` left over.
 inline double gap_left(const JointAxis& axis, double c, double bound, double rest) {
   const double left = residual_of(axis, c, bound);
   if (axis.freedom != Freedom::Limited) return rest + left;
-  // No more than what it violates, on the side on which it does.
+  // At most the violation, on the violated side.
   const double violated = residual_of(axis, c);
   const auto within = [&](double gap) {
     return std::clamp(gap, std::min(violated, 0.0), std::max(violated, 0.0));
@@ -138,13 +137,13 @@ inline double gap_left(const JointAxis& axis, double c, double bound, double res
   return within(within(rest) + left);
 }
 
-/// The angle, up to whole turns, that lies within the limits: as near to `near` as it can be there,
-/// and where no turn lies within, the one that is nearest to them.
+/// The angle, modulo 2 pi, that lies within the limits and is nearest to `near`; if there is none,
+/// the one nearest to the limits.
 inline double turn_within(double angle, double near, double lower, double upper) {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   const double at = nearest_turn(angle, near);
   if (at >= lower && at <= upper) return at;
-  // The last one below the range that it is outside of, and the first one above.
+  // The candidates on both sides of the violated limit.
   const double stop = at < lower ? lower : upper;
   const double below = at + kTurn * std::floor((stop - at) / kTurn);
   const double above = below + kTurn;
@@ -152,7 +151,7 @@ inline double turn_within(double angle, double near, double lower, double upper)
   return beyond(below) <= beyond(above) ? below : above;
 }
 
-/// How far c is beyond a rigid lock or limit, m or rad.
+/// Violation of a rigid lock or limit, m or rad.
 inline double violation(const JointAxis& axis, double c) {
   if (axis.compliance > 0.0 || axis.freedom == Freedom::Free) return 0.0;
   if (axis.freedom == Freedom::Locked) return std::abs(c);

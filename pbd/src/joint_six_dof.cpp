@@ -8,10 +8,10 @@ namespace tandem::pbd::joint_six_dof {
 namespace {
 
 constexpr std::uint32_t kNone = JointGraph::kNone;
-/// Of the gradient of an angle. Twist and swing have none where the swing is half a turn: what is
-/// left of a torque there is a torque that turns bodies by a fraction of what it says.
+/// Bound on the gradient of an angle. Twist and swing have none at half a turn of swing: the rest
+/// of a torque there turns bodies by a fraction of its value.
 constexpr double kSteepest = 2.0;
-/// How fast a coordinate changes.
+/// Rate of a coordinate.
 double rate_of(const JointRows& rows, int i, const SolverBody& a, const SolverBody& b) {
   return rows.dir.col(i).dot(b.v - a.v) + rows.arm_b.col(i).dot(b.w) - rows.arm_a.col(i).dot(a.w);
 }
@@ -42,13 +42,13 @@ void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
   if ((record.used >> 3) != 0) {
     const Quat rel = basis_a.conjugate() * (b.q * def.frame_b.basis);
     const JointTurn turn = JointTurn::of(turned_axes(rel, record.turning));
-    Mat3 named;  // the axes as `turn` names them
+    Mat3 named;  // the axes as named in `turn`
     for (int i = 0; i < 3; ++i) named.col(i) = axes.col((record.turning + i) % 3);
     rows.dir.rightCols<kCoordinates - 3>().setZero();
     rows.arm_b.col(record.turn(0)) = named * turn.twist_gradient();
     rows.arm_b.col(record.turn(1)) = named * turn.swing_gradient(1);
     rows.arm_b.col(record.turn(2)) = named * turn.swing_gradient(2);
-    rows.arm_b.col(kCone) = named * turn.u;  // has no row unless x is x
+    rows.arm_b.col(kCone) = named * turn.u;  // has a row only if x is x
     for (int i = 3; i < kCone; ++i) {
       const double size = rows.arm_b.col(i).norm();
       if (size > kSteepest && record.axis(i).freedom != Freedom::Locked)
@@ -90,7 +90,6 @@ void begin(const JointPart& part) {
     node.pull_a = node.pull_b = 0.0;
     node.add_pull(plan, ctx.h * ctx.h * record.state.force);
     std::copy_n(c, kCoordinates, rows.start.begin());
-    // Force laws.
     for_bits(record.used, [&](int i) {
       const JointAxis axis = record.axis(i);
       if (part.progress.channel == JointChannel::Displacement) {
@@ -143,7 +142,7 @@ void weigh(const JointPart& part) {
 
 namespace {
 
-/// How bodies move against each other in the substep by their velocities and corrections.
+/// Motion of the bodies relative to each other in the substep, by velocities and corrections.
 struct RelativeMove {
   Vec3 way, turn_a, turn_b;  ///< m, rad
 
@@ -156,9 +155,8 @@ struct RelativeMove {
   }
 };
 
-/// What a coordinate is off from where its gradient has it, by the velocities, is at most what the
-/// bodies turn: it is more beyond half a turn of swing, where twist and swing are others all at
-/// once. See JointProgress::linear.
+/// Bounds the difference of a coordinate from its linear prediction by the turn of the bodies. It
+/// is larger beyond half a turn of swing, where twist and swing jump. See JointProgress::linear.
 void see_in_part(const JointPart& part, JointRecord& record, const JointRows& rows,
                  const SolverBody& a, const SolverBody& b, double* c) {
   if (part.progress.channel != JointChannel::Real) return;
@@ -236,7 +234,7 @@ double supplied(const JointPart& part) {
 
 namespace {
 
-/// What the step moves bodies by.
+/// Sums the moves of the step per body.
 void gather_moves(const JointPart& part) {
   std::vector<JointSlot>& slots = part.all.slots;
   part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, const JointNode& node) {
@@ -265,7 +263,7 @@ void gather_moves(const JointPart& part) {
   });
 }
 
-/// visit(node, plan, rows, r, step) for all rows.
+/// Calls visit(node, plan, rows, r, step) for all rows.
 void for_rows(const JointPart& part, auto&& visit) {
   part.for_joints([&](std::uint32_t k, const JointGraph::Node& plan, JointNode& node) {
     double* step = &part.all.right[plan.right];
@@ -273,7 +271,7 @@ void for_rows(const JointPart& part, auto&& visit) {
   });
 }
 
-/// What the moves change of a row.
+/// Change of a row by the moves.
 double change_of(const JointPart& part, const JointGraph::Node& plan, const JointRows& rows, int r,
                  double step) {
   const int i = rows.coordinate[r];
@@ -289,7 +287,7 @@ double change_of(const JointPart& part, const JointGraph::Node& plan, const Join
   return change;
 }
 
-/// The step as far as the first corner that it meets, and the moves that belong to it.
+/// Cuts the step, and its moves, at the first corner.
 void take_first_corner(const JointPart& part) {
   double reach = 1.0;
   for_rows(part, [&](const JointNode&, const JointGraph::Node&, const JointRows& rows, int r,
@@ -342,7 +340,7 @@ bool gather(const JointPart& part) {
   });
   gather_moves(part);
   if (!whole) {
-    // What is minimised changes by curvature / 2 - slope.
+    // The minimised function changes by curvature / 2 - slope.
     double slope = 0.0;
     double curvature = 0.0;
     for_rows(part, [&](const JointNode&, const JointGraph::Node& plan, const JointRows& rows, int r,

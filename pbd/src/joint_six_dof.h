@@ -7,33 +7,33 @@
 /// The rows of joints of any kind: from poses to a linear system, and from its solution to moves.
 namespace tandem::pbd::joint_six_dof {
 
-/// Take gradients and force laws from the poses as they are; multipliers start at 0.
+/// Takes gradients and force laws from the current poses; multipliers start at 0.
 void begin(const JointPart& part);
-/// Take the gradients anew.
+/// Updates the gradients.
 void take_gradients(const JointPart& part);
-/// Those of one joint.
+/// Updates the gradients of one joint.
 void take_gradients(JointNode& node, JointRows& rows, const JointRecord& record,
                     const SolverBody& a, const SolverBody& b);
-/// Inverse inertia times gradients, and the mobility of each row by itself.
+/// Computes inverse inertia times gradients, and the mobility of each row alone.
 void weigh(const JointPart& part);
-/// Multipliers, or only those of brakes that were overcome, begin as the last substep left them;
-/// slots have the moves that belong to them.
+/// Starts from the multipliers of the last substep, or from those of overcome brakes only; sets the
+/// moves of slots accordingly.
 void warm_start(const JointPart& part, bool brakes_only);
-/// Set the right-hand side.
-/// @return whether other rows than before have a part in it
+/// Sets the right-hand side.
+/// @return whether the set of rows has changed
 bool evaluate(const JointPart& part);
-/// J, what motors and springs have done in this substep.
+/// J, work of motors and springs in this substep.
 double supplied(const JointPart& part);
-/// Set the matrix.
+/// Sets the matrix.
 void assemble(const JointPart& part);
-/// Multipliers grow by as much of the solution as their pieces allow, and bodies are to move by it.
-/// A solution is the least of 1/2 |move|^2 in the metric of mass and what the rows store or take, a
-/// convex function of the multipliers: the kinetic energy that joints add. So is what is taken of
-/// it less than before, whatever the order of rows: all that pieces allow where that is, else as
-/// far as the first corner.
-/// @return whether that was all of it; else rows that have come to a corner are pinned
+/// Adds as much of the solution to the multipliers as their pieces allow, and gathers
+/// the moves of bodies. A solution minimises 1/2 |move|^2 in the metric of mass plus the energy
+/// that rows store or take, a convex function of the multipliers: the kinetic energy that joints
+/// add. A partial step lowers it too, whatever the order of rows: all that pieces allow if that
+/// lowers it, else up to the first corner.
+/// @return whether all of it was used; otherwise rows at a corner are pinned
 bool gather(const JointPart& part);
-/// Leave out the rows that are pinned, and set the right-hand side to what the moves have left.
+/// Removes pinned rows, and sets the right-hand side to the remaining residuals.
 void pin(const JointPart& part);
 
 }  // namespace tandem::pbd::joint_six_dof

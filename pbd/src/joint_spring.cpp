@@ -24,7 +24,7 @@ SolverBody weighed(const World& world, BodyId id) {
   return body;
 }
 
-/// What an impulse along coordinate j changes of the rate of coordinate i.
+/// Change of the rate of coordinate i by an impulse along coordinate j.
 double mobility(const JointRows& rows, const SolverBody& a, const SolverBody& b, int i, int j) {
   return (a.inv_mass + b.inv_mass) * rows.dir.col(i).dot(rows.dir.col(j)) +
          rows.arm_a.col(i).dot(a.inv_inertia_w * rows.arm_a.col(j)) +
@@ -64,8 +64,8 @@ void weigh_springs(JointRecord& record, const World& world) {
 
 void tune_spring(ForceLaw& law, const JointSpring& spring, double mass, double c, double rate,
                  double h) {
-  // rad: up to kResolved in a substep the closed form; beyond kBraked the end of the substep alone
-  // says how hard it pulls, which takes energy. In between a part of both.
+  // rad: closed form for up to kResolved in a substep; beyond kBraked implicit Euler, which removes
+  // energy. In between a blend.
   constexpr double kResolved = 0.5;
   constexpr double kBraked = 1.0;
   const double whole_turn = 2.0 * std::numbers::pi * spring.frequency * h;
@@ -92,7 +92,7 @@ void tune_spring(ForceLaw& law, const JointSpring& spring, double mass, double c
   }
   const double stiff = exact * mass * less / more;         // h^2 stiffness / 4
   const double damped = exact * 2.0 * mass * gone / more;  // h damping / 2
-  const double back = c - h * rate;                        // where it was a substep ago
+  const double back = c - h * rate;                        // coordinate one substep ago
   const double end_k = (1.0 - exact) * law.spring_k;
   double pull = stiff * (4.0 * spring.rest - 2.0 * c - back) + damped * back;
   if (end_k > 0.0) pull += end_k * law.spring_target;
@@ -102,7 +102,7 @@ void tune_spring(ForceLaw& law, const JointSpring& spring, double mass, double c
 
 Vec3 spring_turn(const Vec3& to_rest, const Vec3& mass) {
   if (!(mass.minCoeff() > 0.0) || mass.minCoeff() == mass.maxCoeff()) return to_rest;
-  // (1 - (angle / 2) cot(angle / 2)) / angle^2, whose limit is 1/12.
+  // (1 - (angle / 2) cot(angle / 2)) / angle^2, with the limit 1/12.
   constexpr double kSmall = 1e-3;  // rad
   const double angle = to_rest.norm();
   double bend = 1.0 / 12.0;

@@ -8,23 +8,23 @@
 namespace tandem::pbd {
 namespace {
 
-/// Part of the geometric stiffness that is added to inertia where the substep does not resolve it:
-/// from 1/4 on no rate is too high (the average acceleration method of Newmark).
+/// Share of the geometric stiffness that is added to inertia if the substep does not resolve it:
+/// from 1/4 on, any rate is stable (Newmark's average acceleration).
 constexpr double kStiffShare = 0.3;
-/// How much of it brakes neighbours that turn against each other.
+/// Share of it that damps neighbours that turn against each other.
 constexpr double kStiffDamping = 0.1;
-/// Both come in over this range of (rate h)^2; leapfrog is stable below 4.
+/// Both are blended in over this range of (rate h)^2; leapfrog is stable below 4.
 constexpr double kStiffFrom = 2.0;
 constexpr double kStiffTo = 8.0;
-/// Part of a part's kinetic energy that its joints may have given it before it is taken back.
+/// Share of a part's kinetic energy that its joints may add before it is removed.
 constexpr double kSurplus = 0.01;
-/// Part of it that one substep of loops may add before they are solved again, softer.
+/// Share that one substep of loops may add before they are solved again, softer.
 constexpr double kMaxAdded = 0.1;
-/// Part of it that joints at limits may add before limits are taken by their gradients alone.
+/// Share that joints at limits may add before limits are linearised.
 constexpr double kStopSurplus = 1e-4;
-/// Part of it that others may have changed since joints were solved, by rounding.
+/// Share that rounding may change between joint solves.
 constexpr double kUndisturbed = 1e-9;
-/// Part of it that is given back in one substep, at most.
+/// Largest share given back in one substep.
 constexpr double kMaxGiven = 1.0;
 
 void apply_stiffness(JointSlot& slot, SolverBody& body) {
@@ -42,7 +42,7 @@ void apply_stiffness(JointSlot& slot, SolverBody& body) {
   slot.stiffness.setZero();
 }
 
-/// Whether something stops or brakes in a part.
+/// Whether a part has limits or brakes.
 bool takes_energy(const JointPart& part) {
   bool takes = false;
   if (part.plan.points) return false;
@@ -56,7 +56,7 @@ bool takes_energy(const JointPart& part) {
   return takes;
 }
 
-/// Whether what a part loses may be given back: nothing stops inelastically in it.
+/// Whether lost energy of a part may be given back: it has no inelastic stops.
 bool is_ideal(const JointPart& part) {
   bool held = false;
   part.for_joints([&](std::uint32_t, const JointGraph::Node& plan, const JointNode&) {
@@ -65,11 +65,11 @@ bool is_ideal(const JointPart& part) {
   return held && !takes_energy(part);
 }
 
-/// Of a part in a substep, J.
+/// Energy balance of a part in a substep, J.
 struct Balance {
-  double work = 0.0;       ///< of joints, in this position iteration
-  double energy = 0.0;     ///< before, against the mean motion
-  double disturbed = 0.0;  ///< of what others changed since joints were solved
+  double work = 0.0;       ///< by joints, in this position iteration
+  double energy = 0.0;     ///< before, relative to the mean motion
+  double disturbed = 0.0;  ///< by others since joints were solved
 };
 
 Balance balance(const JointPart& part, const Vec3& mean) {
@@ -89,7 +89,8 @@ Balance balance(const JointPart& part, const Vec3& mean) {
     sum.energy +=
         0.5 * (own * (body.v - mean).squaredNorm() + body.w.dot(block::times(inertia, body.w)));
     if (part.plan.regular) return;
-    // Joints meet half of what other forces have added: poses are those between two velocities.
+    // Joints receive half of the velocity that other forces have added: poses lie between two
+    // velocities.
     sum.work -=
         0.5 * own * dv.dot(slot.v - slot.start.v) + 0.5 * dw.dot(start - slot.start.momentum);
     sum.disturbed += 0.5 * own * (body.v - slot.v - dv).squaredNorm();
@@ -112,8 +113,8 @@ void restart(const JointPart& part, bool learn) {
   });
 }
 
-/// A projection never adds kinetic energy. Where the corrections of a loop do, its rows are close
-/// to repeating each other and ask for moves far larger than what they violate.
+/// A projection never adds kinetic energy. If the corrections of a loop do, its rows are nearly
+/// redundant and ask for moves far larger than their violation.
 bool adds_energy(const JointPart& part) {
   double before = 0.0;  // J, twice
   double after = 0.0;
@@ -127,9 +128,8 @@ bool adds_energy(const JointPart& part) {
   return after > (1.0 + kMaxAdded) * before;
 }
 
-/// Where limits are met by bodies that turn far within the substep, as a light link between heavy
-/// ones does, what the gradient of the start has to do to be within the limit at the end may be a
-/// blow of its own.
+/// At limits met by bodies that turn far within the substep, such as a light link between heavy
+/// ones, the gradient of the start may need a large impulse to satisfy the limit at the end.
 bool stops_add_energy(const JointPart& part) {
   if (part.progress.iteration < 2 || !takes_energy(part)) return false;
   const Balance sum = balance(part, Vec3::Zero());
@@ -137,14 +137,14 @@ bool stops_add_energy(const JointPart& part) {
          sum.work - joint_six_dof::supplied(part) > kStopSurplus * sum.energy;
 }
 
-/// The part of a body's geometric stiffness that its joints' forces make: a taut link is turned
-/// back at a rate that its step may not resolve. With the stiffness of the end of the substep
-/// weighted by a share of at least 1/4, any rate is stable and slow turning is not braked
-/// (Newmark's average acceleration). As the change of a lever arm against uniform turning is the
-/// correction's own, the share adds to inertia: (I + share K) dtheta = r x lambda.
+/// Part of a body's geometric stiffness from its joint forces: a taut link is turned back at a rate
+/// that the substep may not resolve. With the stiffness at the end of the substep weighted by at
+/// least 1/4, any rate is stable and slow turning is not damped (Newmark's average acceleration).
+/// As the change of a lever arm against uniform turning is due to the correction, the share adds to
+/// inertia: (I + share K) dtheta = r x lambda.
 void stiffen(const JointPart& part) {
   std::vector<JointSlot>& slots = part.all.slots;
-  // Until the first iteration dx and dtheta are free: dx.x holds the body's (rate h)^2.
+  // dx and dtheta are unused before the first iteration: dx.x holds the body's (rate h)^2.
   const auto rate = [&](std::uint32_t s, const Vec3& r, double pull) {
     if (pull <= 0.0) return;
     const Mat3& inv = slots[s].inv_inertia;
@@ -173,11 +173,11 @@ void stiffen(const JointPart& part) {
           slot.stiffness(j, i) = (i == j ? before + k : before) - r[i] * kr[j];
         }
       }
-      // About the link itself nothing is stiff.
+      // There is no stiffness about the link itself.
       slot.dtheta += kStiffDamping * (k * turn - r.dot(turn) * kr);
     };
     part.for_joints([&](std::uint32_t, const JointGraph::Node& plan, const JointNode& node) {
-      // Neighbours that turn against each other at a rate that is not resolved are braked.
+      // Damps neighbours that turn against each other at an unresolved rate.
       Vec3 turn = Vec3::Zero();
       if (plan.slot_a != JointGraph::kNone && plan.slot_b != JointGraph::kNone) {
         turn = part.ctx.h * (slots[plan.slot_b].w - slots[plan.slot_a].w);
@@ -195,7 +195,7 @@ void stiffen(const JointPart& part) {
 
 namespace {
 
-/// kg m/s over kg.
+/// m/s, of the part's centre of mass.
 Vec3 mean_velocity(const JointPart& part) {
   double mass = 0.0;
   Vec3 mean = Vec3::Zero();
@@ -207,7 +207,7 @@ Vec3 mean_velocity(const JointPart& part) {
   return mean / mass;
 }
 
-/// From the motion of the part against its mean, of `energy` (J).
+/// Removes `excess` (J) from the motion of the part relative to its mean, which has `energy` (J).
 void take(const JointPart& part, double excess, double energy, const Vec3& mean) {
   const double scale = std::sqrt(std::max(0.0, 1.0 - excess / energy));
   part.for_bodies([&](const JointSlot&, SolverBody& body) {
@@ -220,14 +220,14 @@ void take(const JointPart& part, double excess, double energy, const Vec3& mean)
 
 double work_of(const JointPart& part) { return balance(part, Vec3::Zero()).work; }
 
-/// Rigid locks and limits do no work. Where those of a part did, since bodies turned further within
-/// a substep than its gradients can follow, the excess is taken back from the motion of the
-/// part against its mean: it may shake where it is not resolved, but not more and more.
+/// Rigid locks and limits do no work. If they did, because bodies turned further within a substep
+/// than gradients reach, the excess is removed from the motion of the part relative to its mean:
+/// unresolved motion may shake, but does not grow.
 ///
-/// Loops lose energy as well. Where rows repeat each other to first order only, as in a lattice
-/// that is stretched flat, a motion that no gradient shows ends within a substep: an impact, at any
-/// length of the substep. Ideal locks do not take that energy, so it is given back, but for what
-/// contacts have left to lose. What floats freely keeps its angular momentum instead.
+/// Loops lose energy as well. Where rows are redundant to first order only, as in a lattice
+/// stretched flat, a motion that no gradient shows ends within a substep: an impact, at any substep
+/// length. Ideal locks do not take that energy, so it is given back, except for what contacts may
+/// still lose. A free-floating part conserves its angular momentum instead.
 void limit_energy_gain(const JointPart& part) {
   const Vec3 mean = mean_velocity(part);
   const auto [done, energy, disturbed] = balance(part, mean);
@@ -242,7 +242,8 @@ void limit_energy_gain(const JointPart& part) {
   const double room = kSurplus * energy;
   double least = -room;
   if (!part.plan.regular) {
-    // What contacts do to one body the joints share out next, and lose that much at most.
+    // The impact of contacts on one body is shared by the joints next: they may lose that much at
+    // most.
     double& shared = part.records[graph.nodes()[joint_after(first + 1)].joint].energy_excess;
     const double lost = std::clamp(-work, 0.0, shared);
     work += lost;
@@ -261,13 +262,12 @@ void limit_energy_gain(const JointPart& part) {
   take(part, excess, energy, mean);
 }
 
-/// Where bodies turn too far for their gradients joints add energy in each turn, and contacts take
-/// impulses from it that they hand on: what falls on its end gained a factor of 7 from turn to
-/// turn.
+/// If bodies turn too far for their gradients, joints add energy in each alternation, and contacts
+/// pass it on: a body falling on its end gained a factor of 7 per alternation.
 void limit_turn(const JointPart& part) {
   const Vec3 mean = mean_velocity(part);
   double work = part.progress.work;
-  double energy = 0.0;  // J, against the mean
+  double energy = 0.0;  // J, relative to the mean
   part.for_bodies([&](const JointSlot& slot, const SolverBody& body) {
     const double own = 1.0 / body.inv_mass;
     const Vec3 w =

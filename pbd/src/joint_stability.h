@@ -4,23 +4,23 @@
 
 #include "joint_part.h"
 
-/// What keeps joints stable where the substep does not resolve them.
+/// Stability of joints beyond the resolution of the substep.
 namespace tandem::pbd {
 
-/// Add to inertia what the forces of joints make stiff.
+/// Adds geometric stiffness of joint forces to inertia.
 void stiffen(const JointPart& part);
-/// Put bodies and multipliers back to where the position iteration began.
-/// @param learn  whether the multipliers so far are the load that bodies are stiffened by
+/// Resets bodies and multipliers to the start of the position iteration.
+/// @param learn  use the multipliers so far as the load for stiffen()
 void restart(const JointPart& part, bool learn);
 /// Whether the corrections of this position iteration add energy.
 bool adds_energy(const JointPart& part);
-/// Whether limits and brakes, which take energy only, have added some.
+/// Whether limits and brakes, which may only take energy, have added some.
 bool stops_add_energy(const JointPart& part);
-/// J, of joints in this position iteration.
+/// J, work of joints in this position iteration.
 double work_of(const JointPart& part);
-/// Take back what joints that do no work have added so far, before contacts pass it on.
+/// Removes energy added so far by joints that do no work, before contacts pass it on.
 void limit_turn(const JointPart& part);
-/// Take back, or give back, what joints that do no work did.
+/// Removes, or gives back, the work of joints that should do none.
 void limit_energy_gain(const JointPart& part);
 
 }  // namespace tandem::pbd

@@ -17,12 +17,12 @@ std::uint32_t movable(BodyId id, std::span<const SolverBody> bodies) {
   return id.valid() && bodies[id.index].inv_mass > 0.0 ? id.index : JointGraph::kNone;
 }
 
-/// Whether it may have rows.
+/// Whether the joint may have rows.
 bool is_planned(const JointRecord& record) { return record.active() && record.used != 0; }
 
-/// Velocities stand half a substep behind poses (leapfrog), so that between substeps of different
-/// length gravity acts for half of either. Joints find their own forces; without this a chain that
-/// is given more substeps while it falls loses energy each time.
+/// Velocities are half a substep behind poses (leapfrog). Between substeps of different length
+/// gravity therefore acts for half of each. Joints find their own forces. Without this a falling
+/// chain loses energy each time it is refined.
 void resync_leapfrog(const JointPart& part) {
   const SubstepContext& ctx = part.ctx;
   double before = 0.0;
@@ -45,7 +45,7 @@ void JointSystem::build(std::span<const JointRecord> records, std::span<const So
   for (std::size_t i = 0; i < records.size(); ++i) {
     const JointRecord& r = records[i];
     if (!is_planned(r)) continue;
-    // Known to the graph by their places in the order.
+    // Joints are known to the graph by their place in the order.
     edges.push_back({.joint = static_cast<std::uint32_t>(i),
                      .a = order.rank(movable(r.def.a, bodies)),
                      .b = order.rank(movable(r.def.b, bodies)),

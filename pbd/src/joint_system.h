@@ -8,21 +8,20 @@
 
 namespace tandem::pbd {
 
-/// The rows of all joints as one sparse system for each part of the joint graph: what is needed to
-/// project them together. Scratch memory only.
+/// The rows of all joints as sparse systems, one per part of the joint graph. Scratch memory only.
 class JointSystem {
  public:
-  /// Plan for the joints that are active; allocates. Where bodies have an order of their own,
-  /// joints are taken by the order of their bodies, else by slot.
+  /// Plans for the active joints; allocates. Joints are taken in the order of their bodies if these
+  /// have an order of their own, else by slot.
   void build(std::span<const JointRecord> records, std::span<const SolverBody> bodies,
              const BodyOrder& order);
-  /// Whether the plan still fits: the joints that are active, which of their bodies can move, and
-  /// rows that it has room for.
-  /// @pre no joint has come or gone since build()
+  /// Whether the plan still fits: the active joints, which of their bodies can move, and the
+  /// reserved rows.
+  /// @pre no joint was added or removed since build()
   bool fits(std::span<const JointRecord> records, std::span<const SolverBody> bodies) const;
-  /// Find which parts store or supply no energy.
+  /// Finds which parts neither store nor supply energy.
   void note_passive(std::span<const JointRecord> records);
-  /// Sort parts by group for for_parts().
+  /// Sorts parts by group for for_parts().
   void sort_groups(std::span<const SolverBody> bodies);
 
   void for_parts(std::uint32_t group, bool reverse, auto&& visit) {
@@ -38,15 +37,15 @@ class JointSystem {
   }
   bool is_shared(std::uint32_t part, std::span<const SolverBody> bodies) const;
 
-  /// Take gradients and force laws from the poses as they are; multipliers start at 0.
+  /// Takes gradients and force laws from the current poses; multipliers start at 0.
   void begin(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx,
              JointChannel channel);
-  /// One Newton iteration. Returns how far the bodies may still be from where they belong, m.
+  /// One Newton iteration. Returns an estimate of the remaining error of bodies, m.
   double iterate(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx);
-  /// Velocities have learnt what bodies were moved by.
+  /// Call after velocities have taken over the moves of bodies.
   void finish_projection(std::uint32_t part, std::span<JointRecord> records,
                          const SubstepContext& ctx);
-  /// Forces of the substep into the records; joints that they are too much for break.
+  /// Writes the forces of the substep to the records; overloaded joints break.
   void finish(std::uint32_t part, std::span<JointRecord> records, const SubstepContext& ctx);
 
  private:
@@ -58,7 +57,7 @@ class JointSystem {
 
   JointData data_;
   std::vector<JointProgress> progress_;  ///< by part
-  std::vector<std::uint8_t> passive_;    ///< by part: nothing supplies energy
+  std::vector<std::uint8_t> passive_;    ///< by part: nothing stores or supplies energy
   std::vector<GroupPart> order_;
 };
 

@@ -23,7 +23,7 @@ bool parse_number(std::string_view text, double& value) {
 #else
 
 bool parse_number(std::string_view text, double& value) {
-  // Streams take a sign and hexadecimal digits beyond these, and no "inf" and "nan".
+  // Streams accept a sign and hexadecimal digits beyond these, and neither "inf" nor "nan".
   if (text.empty() || text.find_first_not_of("0123456789.eE+-") != text.npos || text[0] == '+') {
     return false;
   }

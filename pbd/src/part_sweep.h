@@ -15,24 +15,24 @@
 
 namespace tandem::pbd {
 
-/// Blocks of rows that lie in parts, each swept from its first block to its last or back. Blocks of
-/// two parts that share a body are swept in the order of a single thread: the later one waits until
-/// the other part has passed the earlier one. Nobody waits for anything else, so there are no
-/// barriers within a sweep, and the bits are those of one thread.
+/// Sweeps blocks of rows that are divided into parts, each from its first block to its last or
+/// back. Blocks of two parts that share a body keep the order of a single thread: the later one
+/// waits until the other part has passed the earlier one. There are no other waits and no barriers
+/// within a sweep, and the bits are those of one thread.
 /// Source: [saltz1991].
 class PartSweep {
  public:
   static constexpr std::uint32_t kMaxParts = 64;
 
-  /// Begin anew. @param begins  the first block of each part and the end of the last one
+  /// Starts anew. @param begins  the first block of each part and the end of the last one
   void start(std::span<const std::uint32_t> begins);
-  /// Blocks of two parts share a body. There is an order of all blocks in which the earlier one
-  /// comes first and each part's blocks ascend.
+  /// Declares that blocks of two parts share a body. All blocks must have a common order in which
+  /// the earlier one comes first and each part's blocks ascend.
   void link(std::uint32_t earlier, std::uint32_t earlier_part, std::uint32_t later,
             std::uint32_t later_part);
   std::uint32_t parts() const { return static_cast<std::uint32_t>(parts_.size()); }
 
-  /// Call visit(block) for all blocks.
+  /// Calls visit(block) for all blocks.
   template <class F>
   void run(bool reverse, Workers& workers, F&& visit) {
     for (std::uint32_t p = 0; p < parts(); ++p) {
@@ -41,14 +41,14 @@ class PartSweep {
     }
     workers.for_each([&](int worker) {
       const auto own = static_cast<std::uint32_t>(worker) % parts();
-      // Those that have no part of their own would only be in the way.
+      // Workers without a part of their own would only be in the way.
       const bool spare = static_cast<std::uint32_t>(worker) >= parts();
       Patience patience;
       std::uint32_t seen = 0;
       for (std::uint32_t left = blocks_left(reverse); left > 0; left = blocks_left(reverse)) {
         if (pass(own, reverse, visit)) continue;
         if (spare) return;
-        // Only while nobody gets on may somebody have been put aside.
+        // A worker may have been preempted only if there is no progress.
         if (left != std::exchange(seen, left)) patience.renew();
         patience.look();
       }
@@ -57,23 +57,23 @@ class PartSweep {
   }
 
  private:
-  /// Looks at another part's place, before a worker looks for another part to go on with.
+  /// Checks of another part's progress before a worker looks for another part to continue.
   static constexpr int kLooks = 256;
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   struct Part {
     std::uint32_t begin = 0, end = 0;
   };
-  /// Places that the other parts must have reached, by part: on the way forwards at least, on the
-  /// way back at most.
+  /// Blocks that the other parts must have reached, by part: at least, when sweeping forwards; at
+  /// most, backwards.
   struct Needs {
     std::uint32_t* forwards;
     std::uint32_t* back;
   };
   struct State {
-    /// Forwards: the next block; backwards: the last one that is done.
+    /// Forwards: the next block; backwards: the last block done.
     alignas(64) std::atomic<std::uint32_t> at{0};
-    alignas(64) std::atomic<std::uint8_t> taken{0};  ///< a worker is at it
+    alignas(64) std::atomic<std::uint8_t> taken{0};  ///< a worker sweeps it
   };
 
   Needs needs(std::uint32_t block);
@@ -81,7 +81,7 @@ class PartSweep {
     const std::uint32_t at = state_[p].at.load(order);
     return reverse ? at - parts_[p].begin : parts_[p].end - at;
   }
-  /// A worker that has seen that none is left has seen what was done in all parts.
+  /// Acquires: a worker that sees 0 also sees the results of all parts.
   std::uint32_t blocks_left(bool reverse) const {
     std::uint32_t left = 0;
     for (std::uint32_t p = 0; p < parts(); ++p) {
@@ -90,7 +90,7 @@ class PartSweep {
     return left;
   }
 
-  /// Go on with all parts that nobody is at, the own one first.
+  /// Continues all parts that no worker sweeps, its own first.
   /// @return whether a block was swept
   template <class F>
   bool pass(std::uint32_t own, bool reverse, F& visit) {
@@ -107,7 +107,7 @@ class PartSweep {
     return any;
   }
 
-  /// Go on with a part until it is done or waits for long.
+  /// Continues a part until it is done or waits for long.
   /// @return whether a block was swept
   template <class F>
   bool advance(std::uint32_t p, bool reverse, F& visit) {
@@ -128,7 +128,7 @@ class PartSweep {
     return k != first;
   }
 
-  /// @return false where it takes too long
+  /// @return false on timeout
   bool wait(std::uint32_t row, bool reverse) const {
     const std::uint32_t* need =
         need_.data() + std::size_t{2} * row * parts() + (reverse ? parts() : 0);
@@ -150,8 +150,8 @@ class PartSweep {
   }
 
   std::vector<Part> parts_;
-  std::vector<std::uint32_t> need_of_;  ///< by block: into need_, or kNone
-  std::vector<std::uint32_t> need_;     ///< twice one for each part
+  std::vector<std::uint32_t> need_of_;  ///< by block: index into need_, or kNone
+  std::vector<std::uint32_t> need_;     ///< twice one entry per part
   std::unique_ptr<State[]> state_ = std::make_unique<State[]>(kMaxParts);
 };
 

@@ -8,7 +8,7 @@
 
 namespace tandem::pbd {
 
-/// Between two looks at what another thread is to write.
+/// Pause between two reads of a value that another thread will write.
 inline void relax() {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();
@@ -17,13 +17,13 @@ inline void relax() {
 #endif
 }
 
-/// A thread that looks again and again for what others are to do. After some time it lets others
-/// have its processor: one of them may be what it waits for.
+/// Spin-waiting of a thread. After some time it yields: the thread that it waits for may need its
+/// processor.
 class Patience {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// In vain.
+  /// Call after a read without success.
   void look() {
     relax();
     if (looks_++ % kLooks != 0) return;
@@ -32,7 +32,7 @@ class Patience {
     longest_ = std::max(longest_, now - since_);
     if (now - since_ > kShort) std::this_thread::yield();
   }
-  /// What it waited for has come.
+  /// Call after success.
   void renew() { looks_ = 0; }
   Clock::duration longest() const { return longest_; }
 

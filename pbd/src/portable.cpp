@@ -27,7 +27,7 @@ double polynomial(double x, const std::array<double, N>& c) {
   return sum;
 }
 
-/// The nearest whole number, of |x| < 2^51: beyond 2^52 doubles have no digits behind the point.
+/// The nearest integer, for |x| < 2^51: doubles beyond 2^52 have no fraction.
 double nearest(double x) {
   constexpr double kShift = 0x1.8p+52;
   return (x + kShift) - kShift;
@@ -38,7 +38,7 @@ double power_of_two(std::int64_t n) {
   return bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52);
 }
 
-/// n of 2^n <= x < 2^(n + 1). @pre x is a normal number > 0
+/// n with 2^n <= x < 2^(n + 1). @pre x is a normal number > 0
 std::int64_t exponent(double x) {
   return static_cast<std::int64_t>(bit_cast<std::uint64_t>(x) >> 52) - 1023;
 }
@@ -65,7 +65,7 @@ Quadrant quadrant(double x) {
   return {turns, rest, (sum - rest) + (lost - turns * kHalfPi3)};
 }
 
-/// sin(x + below), |x| <= pi / 4. What the series leaves out is below x^19 / 19! < 2^-61 x.
+/// sin(x + below), |x| <= pi / 4. Truncation error below x^19 / 19! < 2^-61 x.
 double sine(double x, double below) {
   static constexpr std::array<double, 8> kSeries{
       -1.0 / 6,        1.0 / 120,         -1.0 / 5040,           1.0 / 362880,
@@ -74,7 +74,7 @@ double sine(double x, double below) {
   return x + (x * (x2 * polynomial(x2, kSeries)) + below * (1.0 - 0.5 * x2));
 }
 
-/// cos(x + below), |x| <= pi / 4. What the series leaves out is below x^18 / 18! < 2^-58.
+/// cos(x + below), |x| <= pi / 4. Truncation error below x^18 / 18! < 2^-58.
 double cosine(double x, double below) {
   static constexpr std::array<double, 7> kSeries{
       1.0 / 24,        -1.0 / 720,          1.0 / 40320,          -1.0 / 3628800,
@@ -85,7 +85,7 @@ double cosine(double x, double below) {
   return start + (lost + (x2 * x2 * polynomial(x2, kSeries) - x * below));
 }
 
-/// e^x = 2^n (1 + rest), |rest| < 0.42. What the series leaves out is below r^15 / 15! < 2^-62 r.
+/// e^x = 2^n (1 + rest), |rest| < 0.42. Truncation error below r^15 / 15! < 2^-62 r.
 struct Power {
   std::int64_t n;
   double rest;
@@ -106,13 +106,13 @@ Power power(double x) {
   return {static_cast<std::int64_t>(n), r + (r * r * polynomial(r, kSeries) + below * (1.0 + r))};
 }
 
-/// atan(t), 0 <= t <= 1, as `start` + `rest`, where the latter is the lesser one.
+/// atan(t), 0 <= t <= 1, as `start` + `rest`, where the latter is smaller.
 struct Arc {
   double start, rest;
 };
 
-/// atan t = atan c + atan((t - c) / (1 + c t)) with c = k / 8 nearby. What the series leaves out is
-/// below (3/32)^16 / 17 < 2^-58 of it.
+/// atan t = atan c + atan((t - c) / (1 + c t)) with c = k / 8 nearby. Truncation error below
+/// (3/32)^16 / 17 < 2^-58 of it.
 Arc arc(double t) {
   static constexpr std::array<Arc, 9> kAtan{{{0x0.0p+0, 0x0.0p+0},
                                              {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
@@ -165,7 +165,7 @@ double atan2(double y, double x) {
   const double small = steep ? across : up;
   const double t = small == large ? (large == 0.0 ? 0.0 : 1.0) : small / large;
   Arc a = arc(t);
-  // Turned by steps of half pi, as it lies in the plane.
+  // Rotates to the octant of the point.
   if (steep) a = {0.5 * kPi, (0.5 * kPiRest - a.rest) - a.start};
   if (std::signbit(x)) a = {kPi - a.start, kPiRest - a.rest};
   return std::copysign(a.start + a.rest, y);
@@ -176,7 +176,7 @@ double exp(double x) {
   if (x > 710.0) return std::numeric_limits<double>::infinity();
   if (x < -746.0) return 0.0;
   const Power p = power(x);
-  const std::int64_t half = p.n / 2;  // 2^n may be too large for a double where e^x is not
+  const std::int64_t half = p.n / 2;  // 2^n may overflow where e^x does not
   return (1.0 + p.rest) * power_of_two(half) * power_of_two(p.n - half);
 }
 
@@ -207,7 +207,7 @@ double log1p(double x) {
       f = 0.5 * (f - 1.0);
     }
   }
-  // ln(1 + f) = 2 artanh(s). What the series leaves out is below s^25 / 25 < 2^-64 s.
+  // ln(1 + f) = 2 artanh(s). Truncation error below s^25 / 25 < 2^-64 s.
   static constexpr std::array<double, 11> kSeries{2.0 / 3,  2.0 / 5,  2.0 / 7,  2.0 / 9,
                                                   2.0 / 11, 2.0 / 13, 2.0 / 15, 2.0 / 17,
                                                   2.0 / 19, 2.0 / 21, 2.0 / 23};

@@ -10,16 +10,16 @@
 namespace tandem::pbd {
 namespace {
 
-/// The shared record's place.
+/// Index of the shared record.
 constexpr std::uint32_t kPlain = 0;
 
-/// Bit for bit: snapshots have them.
+/// Compared bit for bit, as snapshots store the bits.
 bool has_no_bits(double value) { return bit_cast<std::uint64_t>(value) == 0; }
 bool all_zero(const auto& values) {
   return std::all_of(values.data(), values.data() + values.size(), has_no_bits);
 }
 
-/// Whether it is what an empty slot has.
+/// Whether the properties are those of an empty slot.
 bool is_plain(const BodyProps& props) {
   return props.type == BodyType::Static && props.gravity_scale == 1.0 && !props.stable_id &&
          props.can_sleep && !props.bullet && !props.locks.any() && !props.sleep_speed &&
@@ -51,7 +51,7 @@ BodyProps& PropsTable::own(std::size_t slot) {
   if (record != kPlain) return records_[record];
   if (free_.empty()) {
     records_.emplace_back();
-    free_.reserve(records_.capacity());  // so that release() needs no memory
+    free_.reserve(records_.capacity());  // release() must not allocate
     record = static_cast<std::uint32_t>(records_.size() - 1);
   } else {
     record = free_.back();

@@ -9,7 +9,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// Names, those that are in use and those that are not.
+/// Names, separated into used and unused ones.
 class Lists {
  public:
   void add(std::string_view name, bool used) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// An object of its own: a program that draws nothing links nothing of it.
+// A translation unit of its own: programs that draw nothing do not link it.
 #include "tandem/pbd/smooth_poses.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// m and rad in a step, beyond what speed explains: steps of contacts that push bodies apart
+/// m and rad in a step, beyond the motion by speed: contacts that push bodies apart
 /// (ContactOptions::push_speed) stay below it.
 constexpr double kJump = 0.02;
 
@@ -24,7 +24,7 @@ struct Change {
   Vec3 turned = Vec3::Zero();  ///< rad, world
 };
 
-/// What of the way from one state to the next is no motion: agreement, and jumps.
+/// The part of the change of state that is no motion: agreement, and jumps.
 Change jump_of(const BodyState& from, const BodyState& to, const Correction& agreed, double dt) {
   Change change{agreed.translation, agreed.rotation};
   const Vec3 way = to.pose.position - from.pose.position;
@@ -78,7 +78,7 @@ void SmoothPoses::take(Shown& shown, const World& world, double dt, double keeps
     shown.before = state.pose;
   }
   shown.now = {state.pose.position - shown.behind, state.pose.orientation};
-  if (shown.behind_turn.vec().isZero(0.0)) return;  // the world's own, to the last bit
+  if (shown.behind_turn.vec().isZero(0.0)) return;  // the world's own pose, to the last bit
   shown.now.orientation = (shown.behind_turn.conjugate() * state.pose.orientation).normalized();
 }
 

@@ -17,8 +17,8 @@
 
 namespace tandem::pbd {
 
-/// The step: what it does in which order is in solver.cpp, the stages of a substep are in
-/// group_pass.cpp, the others in solver_stages.cpp.
+/// The step. Its order is in solver.cpp, the stages of a substep are in group_pass.cpp, the others
+/// in solver_stages.cpp.
 class __attribute__((visibility("hidden"))) Solver::Impl {
  public:
   explicit Impl(const SolverOptions& options)
@@ -27,7 +27,7 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   const StepReport& report() const { return report_; }
 
   const StepReport& step(World& world, double dt);
-  /// For a step that is none.
+  /// Reports an invalid step.
   const StepReport& refuse();
 
  private:
@@ -42,13 +42,13 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   void end_stage(Stage stage);
   void detect();
   void collect_targets();
-  /// Islands, and from them the groups that are solved together.
+  /// Finds islands, and from them the groups that are solved together.
   void arrange_groups();
   Groups::Rule group_rule() const;
   void list_parts();
   void note_new_overlaps();
   void note_gaps();
-  /// Nothing tunnels: bodies that would get through something stop on their way.
+  /// CCD: stops bodies that would tunnel.
   void limit_motion();
   void for_blocks(auto&& visit) {
     for (const auto& block : world_->blocks_) {
@@ -67,20 +67,20 @@ class __attribute__((visibility("hidden"))) Solver::Impl {
   Islands islands_;
   BodyBuffer bodies_;
   struct {
-    bool any = false;      ///< there is one, and a body that is awake
-    bool project = false;  ///< some project poses
+    bool any = false;      ///< some row exists, and some body is awake
+    bool project = false;  ///< some row projects poses
   } rows_;
   Groups groups_;
   ConstraintEdges edges_;
   std::vector<std::uint32_t> changed_;  ///< bodies whose rows were changed
-  detail::SparseArray<double> wanted_;  ///< by body: substeps that rows ask for
+  detail::SparseArray<double> wanted_;  ///< by body: substeps that rows want
   std::vector<GroupFacts> group_facts_;
   GroupPasses passes_;
   std::vector<Manifold> manifolds_;
   struct {
     detail::SparseArray<Pose> after;  ///< by slot, of movers
     std::vector<MotionLimit> limits;
-  } motion_;  ///< what stops bodies on their way
+  } motion_;  ///< scratch of limit_motion()
   std::vector<PoseTarget> pose_targets_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The stages of a step, in their order, and below them the parts that they are made of.
+// The stages of a step in order, followed by their parts.
 #include <algorithm>
 #include <cmath>
 
@@ -14,10 +14,10 @@
 namespace tandem::pbd {
 namespace {
 
-/// Manifolds given to a worker at a time.
+/// Manifolds per chunk of a worker.
 constexpr std::size_t kManifoldGrain = 256;
 
-// Not-a-number never enters a world, whoever made the target or the manifold.
+// NaN from a target or manifold never enters a world.
 
 bool usable(const PoseTarget& target, const World& world) {
   return world.contains(target.body) && target.pose.position.allFinite() &&
@@ -90,7 +90,7 @@ void Solver::Impl::begin_groups() {
 void Solver::Impl::end_groups() {
   passes_.end_step(report_);
   if (groups_.all().empty() || !bodies_.any_moving()) return;
-  // Whatever groups have seen of them, they are at the end of the step now.
+  // Whatever groups have seen of them, they are now at the end of the step.
   bodies_.rewind_kinematic(world_->states_);
   const int substeps = groups_.all().back().substeps;
   for (int i = 0; i < substeps; ++i) bodies_.move_kinematic(dt_ / substeps);
@@ -104,7 +104,7 @@ void Solver::Impl::end_step() {
   for (const std::uint32_t i : bodies_.movers()) wanted_[i] = 0.0;
   const std::span<double> wanted = report_.parts.refinement ? wanted_ : std::span<double>{};
   for_blocks([&](ConstraintBlock& block) { block.end_step(context, wanted); });
-  // What rows did in this step decides who rests; a world that sleeps does not ask.
+  // The edges of this step decide which bodies rest; a sleeping world does not need them.
   if (options_.sleep_after > 0.0 && !groups_.all().empty()) edges_.list(*world_);
   groups_.settle(group_rule(), dt_, workers_, islands_, edges_.all(), wanted_, world_->states_,
                  world_->props_, world_->activity_, bodies_.all());
@@ -163,7 +163,7 @@ void Solver::Impl::list_parts() {
 
 void Solver::Impl::detect() {
   if (world_->contacts_ == nullptr) return;
-  manifolds_.clear();  // without a source, what it said last is over
+  manifolds_.clear();  // without a source, its last manifolds are void
   if (world_->contact_source_ != nullptr) {
     world_->contact_source_->collect(*world_, dt_, workers_, manifolds_);
     const auto any_unusable = [&](std::size_t begin, std::size_t end) {
@@ -193,8 +193,8 @@ void Solver::Impl::collect_targets() {
   report_.targets = targets_.size();
 }
 
-/// What joints hold together and has a gap is displaced as an island with a target is. Contacts
-/// have no say in it: what a blow has left on the wrong side of something could never come back.
+/// A set of joints with a gap is displaced like an island with a target. Contacts do not act on it:
+/// a limb that an impact has left on the wrong side of something could never return.
 void Solver::Impl::note_gaps() {
   bool gaps = false;
   for_blocks([&](const ConstraintBlock& block) { gaps = gaps || block.has_gaps(); });
@@ -216,10 +216,11 @@ void Solver::Impl::arrange_groups() {
   groups_.note_apart(edges_, bodies_.any_moving(), bodies_.all());
   report_.awake = 0;
   for (const Group& group : groups_.all()) report_.awake += static_cast<int>(group.bodies.size());
-  // An observer is told of stages in turn, and groups that go on in other worlds meet these there.
+  // An observer is told of stages one after the other; islands shared with other worlds need a
+  // common order.
   const bool at_once = workers_.count() > 1 && options_.observer == nullptr &&
                        world_->island_coupling_ == nullptr && edges_.names_all();
-  // A group is a task of one worker where there are enough others for the rest.
+  // A group is a task of one worker if enough others remain for the rest.
   const auto most = static_cast<std::size_t>(report_.awake / workers_.count());
   group_facts_.clear();
   for (const Group& group : groups_.all()) {
@@ -239,7 +240,7 @@ void Solver::Impl::arrange_groups() {
   });
 }
 
-/// A collider or a filter may have changed between bodies that sleep.
+/// A collider or filter of sleeping bodies may have changed.
 void Solver::Impl::note_new_overlaps() {
   if (world_->contacts_ == nullptr) return;
   const std::span<const ContactBrief> briefs = world_->contacts_->briefs();
@@ -275,11 +276,11 @@ void Solver::Impl::limit_motion() {
     SolverBody& body = bodies_[limit.body];
     const Vec3& start = world_->states_[limit.body].pose.position;
     body.x = limit.pose.position;
-    // Its spin goes along: left where it was, it would be another energy.
+    // Spin follows the pose: kept in the world it would have another energy.
     body.w = rotate(limit.pose.orientation * body.q.conjugate(), body.w);
     body.q = limit.pose.orientation;
     restore_locked(body, world_->props_[limit.body].locks, start);
-    // The rest of the step is not: what it falls there would else be speed without a way.
+    // The rest of the step is skipped: gravity over it would add speed without motion.
     body.v -=
         (1.0 - limit.share) * dt_ * world_->props_[limit.body].gravity_scale * world_->gravity_;
     body.v -= std::min(0.0, (body.v - limit.obstacle_moves / dt_).dot(limit.normal)) * limit.normal;

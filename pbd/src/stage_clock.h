@@ -11,7 +11,7 @@
 
 namespace tandem::pbd {
 
-/// Adds the time since the last call to a stage, and tells the observer, if there is one.
+/// Adds the time since the last call to a stage, and tells the observer, if any.
 class StageClock {
  public:
   void start(bool enabled, StageObserver* observer) {
@@ -27,8 +27,8 @@ class StageClock {
     if (observer_ != nullptr) observer_->on_stage(stage, last_, now);
     last_ = now;
   }
-  /// The time since the last call goes to stages as that of these clocks does, which have run
-  /// beside each other.
+  /// Distributes the time since the last call over stages in proportion to these clocks, which ran
+  /// in parallel.
   void share_out(std::span<const StageClock> clocks) {
     if (!enabled_) return;
     std::array<double, kStageCount> seconds{};

@@ -23,14 +23,14 @@ StageTrace::StageTrace(std::ostream& out) : out_(out) { out_ << '['; }
 StageTrace::~StageTrace() {
   try {
     out_ << "\n]\n" << std::flush;
-  } catch (...) {  // a stream that throws has failed, and says so itself
+  } catch (...) {  // the stream reports its failure itself
   }
 }
 
 void StageTrace::on_stage(Stage stage, Time begin, Time end) noexcept {
   try {
     span(kStageNames[static_cast<std::size_t>(stage)], begin, end);
-  } catch (...) {  // likewise
+  } catch (...) {  // as above
   }
 }
 

@@ -18,12 +18,12 @@ double kinetic_energy(const Quat& q, const BodyProps& props, const Vec3& v, cons
   return 0.5 * (props.mass * v.squaredNorm() + w_l.dot(props.inertia * w_l));
 }
 
-/// What a share comes to that is taken so many times.
+/// The share that `times` applications of a share amount to.
 double share_of_times(double share, double times) {
   return -portable::expm1(times * portable::log1p(-share));
 }
 
-/// Whether it has the same inertia about every axis.
+/// Whether the body has the same inertia about every axis.
 bool is_round(const BodyProps& props) {
   const Mat3& i = props.inertia;
   return i(0, 0) == i(1, 1) && i(1, 1) == i(2, 2) && i(0, 1) == 0.0 && i(0, 2) == 0.0 &&
@@ -169,7 +169,7 @@ void GroupTargets::to_velocities(std::span<SolverBody> bodies, double h) {
     SolverBody& body = bodies[saved.body];
     if (!body.dx.isZero(0.0)) body.v_push = body.dx / h;
     if (body.dtheta.isZero(0.0)) continue;
-    // One turn is what its row asked for; those of joints add up to another rotation vector.
+    // A single turn is its row's rotation vector; those of joints add up to another one.
     const Vec3 turn = body.projected ? rotation_between(saved.q, body.q) : body.dtheta;
     body.w_push = turn / h;
   }
@@ -213,14 +213,14 @@ void GroupTargets::end(std::span<const SolverBody> bodies, const PropsTable& pro
                        ConsensusEnergy& energy) {
   for (const Saved& saved : saved_) {
     const SolverBody& body = bodies[saved.body];
-    if (!body.agreed) continue;  // nobody has agreed on anything
+    if (!body.agreed) continue;  // no agreement on this body
     const Vec3 moved = body.x - saved.x;
     corrections[saved.body].translation += moved;
     corrections[saved.body].rotation += saved.turn;
     const BodyProps& known = props[saved.body];
     energy.potential -= known.mass * known.gravity_scale * gravity.dot(moved);
-    // Kinetic energy that came in through velocities; a spinning body that was merely turned has
-    // another energy at the same velocity, which belongs to where it is, like its height.
+    // Kinetic energy by velocities. A spinning body that was only turned has another energy at the
+    // same velocity, which counts as potential energy.
     const bool as_fast = body.v == saved.v && body.w == saved.w;
     if (!as_fast || !(body.w.isZero(0.0) || is_round(known))) {
       const double velocities_only = kinetic_energy(saved.q, known, body.v, body.w);

@@ -8,7 +8,7 @@
 namespace tandem::pbd {
 namespace {
 
-/// To save or to load.
+/// Lists fields for saving or loading.
 void tether_fields(auto io, auto& def, auto& force) {
   io(def.body, def.anchor_l, def.anchor_w, def.anchor_velocity, def.stiffness, def.damping,
      def.max_force, force);
@@ -32,8 +32,8 @@ void Tether::begin_substep(const SubstepContext& ctx) {
   const SolverBody& body = ctx.bodies[def_.body.index];
   r_ = rotate(body.q, def_.anchor_l);
   c_start_ = body.x + r_ - def_.anchor_w;
-  // Each substep moves the anchor on, so that a step of any length sees it move evenly and a tether
-  // that nobody updates coasts.
+  // The anchor moves in each substep, so that its motion is uniform in a step of any length and a
+  // tether without updates coasts.
   def_.anchor_w += ctx.h * def_.anchor_velocity;
   lambda_.setZero();
 }

@@ -43,7 +43,7 @@ void require(bool ok, std::string_view kind, std::string_view field, double valu
 
 void require_in(double low, double high, std::string_view kind, std::string_view field,
                 double value, std::string_view unit) {
-  if (value >= low && value <= high) return;  // before there is any text
+  if (value >= low && value <= high) return;  // before any text is made
   std::string rule = "from " + value_text(low) + " to " + value_text(high);
   if (!unit.empty()) rule.append(" ").append(unit);
   require(false, kind, field, value, rule);
@@ -55,7 +55,7 @@ void require_finite(const Vec3& value, std::string_view kind, std::string_view f
 
 void require_unit(const Quat& value, std::string_view kind, std::string_view field) {
   const double norm = value.norm();
-  // Written so that NaN is refused as well.
+  // Also refuses NaN.
   require(std::abs(norm - 1.0) < 1e-3, kind, field, norm,
           "a quaternion of unit norm (within 1e-3)");
 }

@@ -19,25 +19,24 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kMaxWorkers = 64;
-/// For so long a thread looks for what it waits for before it sleeps. Between two stages that are
-/// shared there are some 0.1 ms of others, and in a virtual machine a thread that is woken comes as
-/// late: with 50 us a heap of 8000 cubes takes 1.2 times longer on eight cores than with 300.
+/// Spinning time of a thread before it sleeps. Between two shared stages there are some 0.1 ms of
+/// others, and in a virtual machine waking a thread takes as long: with 50 us a heap of 8000 cubes
+/// takes 1.2 times longer on eight cores than with 300.
 constexpr std::chrono::milliseconds kPatience{1};
-/// A thread that waits longer for others, but at the end of tasks, waits for one that the machine
-/// has put aside.
+/// A longer wait, except at the end of tasks, means that the OS has preempted a worker.
 constexpr std::chrono::microseconds kPutAside{500};
-/// The calling thread then works alone for so many times what it has lost.
+/// The calling thread then works alone for this many times the lost time.
 constexpr int kAlone = 10;
 
 }  // namespace
 
 struct __attribute__((visibility("hidden"))) Workers::Team {
-  /// Where a thread sleeps until what it waits for has come. Waking a thread that does not sleep
-  /// costs a look.
+  /// A parking slot, where a thread sleeps until its condition holds. Waking a thread that does not
+  /// sleep costs one read.
   class Bed {
    public:
-    /// Look for it, then sleep.
-    /// @return how long, in steps of a few microseconds
+    /// Spins, then sleeps.
+    /// @return the time, in steps of a few microseconds
     template <class Ready>
     Clock::duration wait_until(Ready&& ready) {
       Patience patience;
@@ -56,7 +55,7 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
       return patience.longest() + (Clock::now() - start);
     }
 
-    /// After what it waits for has been stored.
+    /// Call after the condition was stored.
     void wake() {
       if (!sleeps_.load() || !sleeps_.exchange(false)) return;
       { const std::lock_guard lock(mutex_); }
@@ -69,12 +68,12 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
     std::condition_variable woken_;
   };
 
-  /// What a worker writes while it comes and goes: a cache line of its own.
+  /// State of a worker that enters and leaves a job, on a cache line of its own.
   struct alignas(64) Seat {
     std::atomic<bool> taken{false};
     Bed bed;
   };
-  /// Chunks of which nobody has taken the first ones yet.
+  /// Chunks that are not taken yet.
   struct alignas(64) Range {
     std::atomic<std::uint32_t> next{0};
     std::uint32_t end = 0;
@@ -82,7 +81,7 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
 
   /// Number of the job, odd while it is open.
   alignas(64) std::atomic<std::uint32_t> job{0};
-  // Of the job; written while it is closed and all seats but the caller's are free.
+  // The job; written while it is closed and no worker but the caller is in it.
   Task task = nullptr;
   void* context = nullptr;
   std::atomic<bool> stop{false};
@@ -93,14 +92,14 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
 
   explicit Team(int count) : seats(static_cast<std::size_t>(count)) {}
 
-  /// Also where one of them could not be started.
+  /// Also used if a thread could not be started.
   ~Team() {
     stop.store(true);
     for (Seat& seat : seats) seat.bed.wake();
     for (std::thread& thread : threads) thread.join();
   }
 
-  /// A worker wakes two others, and so on: the calling thread does not do it all.
+  /// Each worker wakes two others, so that the calling thread does not wake all.
   void wake_next(int worker) {
     const std::size_t first = 2 * static_cast<std::size_t>(worker) + 1;
     for (std::size_t i = first; i < first + 2 && i < seats.size(); ++i) seats[i].bed.wake();
@@ -117,7 +116,7 @@ struct __attribute__((visibility("hidden"))) Workers::Team {
       });
       if (stop.load()) return;
       seen = now;
-      // The caller closes the job first and looks at the seats then, in one order for all.
+      // The caller closes the job first and then checks the seats, sequentially consistent.
       seat.taken.store(true);
       if (job.load() == now) {
         wake_next(worker);

@@ -27,7 +27,7 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 std::uint32_t World::checked_index(BodyId id, const char* what) const {
-  if (!contains(id)) detail::require_body(*this, id, "World", what);  // which throws
+  if (!contains(id)) detail::require_body(*this, id, "World", what);  // throws
   return id.index;
 }
 
@@ -360,7 +360,7 @@ void World::set_gravity(const Vec3& gravity) {
 }
 
 void World::insert_block(std::unique_ptr<ConstraintBlock> block) {
-  // Equal orders keep the order in which they were added.
+  // Blocks of equal order stay in the order of adding.
   const auto after = std::upper_bound(blocks_.begin(), blocks_.end(), block->order(),
                                       [](int order, const std::unique_ptr<ConstraintBlock>& other) {
                                         return order < other->order();
@@ -372,7 +372,7 @@ void World::remove_block(const ConstraintBlock& block) {
   const auto at = std::find_if(
       blocks_.begin(), blocks_.end(),
       [&](const std::unique_ptr<ConstraintBlock>& own) { return own.get() == &block; });
-  // It may have been removed before: nothing of it is read.
+  // The block may have been destroyed: it is not read.
   if (at == blocks_.end()) {
     detail::refuse("World::remove_block: block", "one of the world's blocks()", "unknown");
   }
@@ -383,11 +383,11 @@ void World::remove_block(const ConstraintBlock& block) {
   block.append_edges(edges);
   std::vector<std::uint32_t> named;
   for (const ConstraintEdge& edge : edges) named.insert(named.end(), {edge.body_a, edge.body_b});
-  // Rows that were removed since the last step have nobody else to tell of it.
+  // Bodies of rows removed since the last step are known only here.
   (*at)->take_changed(named);
   blocks_.erase(at);
   for (const std::uint32_t body : named) {
-    // The world is kNone, and a snapshot's list of changes may name any number.
+    // The world is kNone, and a snapshot's list of changes may hold any number.
     if (body < activity_.size()) wake_up(body);
   }
 }

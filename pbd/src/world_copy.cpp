@@ -17,7 +17,7 @@ namespace {
 [[maybe_unused]] bool is_sound(const BodyState& state) {
   return state.pose.position.allFinite() && state.twist.linear.allFinite() &&
          state.twist.angular.allFinite() &&
-         std::abs(state.pose.orientation.norm() - 1.0) < 1e-3;  // false where it is no number
+         std::abs(state.pose.orientation.norm() - 1.0) < 1e-3;  // false for NaN
 }
 
 bool equal(const BodyState& l, const BodyState& r) {
@@ -70,7 +70,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
   to.body_log_.outdate();
   to.props_.assign(from.props_);
   to.slots_.assign(from.slots_);
-  // Assignment may make each node of a map anew.
+  // Assignment may reallocate each node of a map.
   if (to.by_stable_id_ != from.by_stable_id_) to.by_stable_id_ = from.by_stable_id_;
   to.ranks_ = from.ranks_;
   to.slots_by_rank_ = from.slots_by_rank_;
@@ -87,7 +87,7 @@ void WorldCopy::copy_bodies(const World& from, World& to) {
 }
 
 bool WorldCopy::fill(const World& source) {
-  // Whatever was set on the copy meanwhile.
+  // Drops whatever was set on the copy.
   world_.target_source_ = nullptr;
   world_.contact_source_ = contact_source_.get();
   if (!same_kinds(source)) {

@@ -28,7 +28,7 @@ constexpr std::size_t kCheckBytes = 8;
 constexpr std::size_t kBytesPerSlot =
     (1 + 4 + 1) + (1 + 5 * 8 + 6 + 2 + 18 * 8 + 1 + 8 + 5 * 8) + (1 + 1 + 4 + 8) + 13 * 8;
 
-// To save or to load.
+// Lists fields for saving or loading.
 void props_fields(auto& io, auto& props) {
   io(props.type, props.mass, props.inverse_mass, props.gravity_scale, props.linear_damping,
      props.angular_damping, props.locks.linear, props.locks.angular, props.bullet, props.can_sleep,
@@ -70,7 +70,7 @@ void load_body(FieldReader io, BodyProps& props, BodyActivity& activity, BodySta
   state_fields(io, state);
 }
 
-/// Whether a body can be like this; what is written of an empty slot passes as well.
+/// Whether the state is valid for a body; that of an empty slot is, too.
 bool body_is_sound(const BodyProps& props, const BodyActivity& activity, const BodyState& state) {
   const bool dynamic = props.type == BodyType::Dynamic;
   if (props.type > BodyType::Dynamic || activity.level > Groups::kMaxLevel ||
@@ -98,7 +98,7 @@ bool body_is_sound(const BodyProps& props, const BodyActivity& activity, const B
   return true;
 }
 
-/// Which kinds of constraints a world holds, in order: a snapshot fits no other.
+/// Hash of the kinds of constraints of a world, in order: snapshots of other kinds do not fit.
 std::uint64_t kinds_of(std::span<const std::unique_ptr<ConstraintBlock>> blocks) {
   std::uint64_t hash = hash_bytes({});
   for (const auto& block : blocks) {
@@ -108,7 +108,7 @@ std::uint64_t kinds_of(std::span<const std::unique_ptr<ConstraintBlock>> blocks)
   return hash;
 }
 
-/// One for each slot, or none.
+/// One per slot, or none.
 bool load_wrenches(ByteReader& in, std::uint32_t slots, std::vector<Wrench>& wrenches) {
   const std::uint32_t count = in.u32();
   if (in.failed() || (count != 0 && count != slots)) return false;
@@ -139,7 +139,7 @@ bool load_targets(ByteReader& in, const PropsTable& props, KinematicTargets& tar
   return true;
 }
 
-/// One for each slot, or none.
+/// One per slot, or none.
 bool load_corrections(ByteReader& in, std::uint32_t slots, std::vector<Correction>& corrections) {
   const std::uint32_t count = in.u32();
   if (in.failed() || (count != 0 && count != slots)) return false;
@@ -183,7 +183,7 @@ std::vector<std::byte> World::snapshot() const {
 
 void World::restore(std::span<const std::byte> bytes) {
   const auto refuse = [](const char* rule) { detail::refuse("World::restore: bytes", rule); };
-  // The check value comes first: it finds damage, but not bytes that somebody made up.
+  // The checksum comes first: it detects damage, but not forged bytes.
   if (bytes.size() < kCheckBytes) refuse("whole");
   const auto content = bytes.first(bytes.size() - kCheckBytes);
   if (ByteReader(bytes.last(kCheckBytes)).u64() != hash_bytes(content)) refuse("whole");
