@@ -8,10 +8,10 @@
 namespace tandem::collision {
 namespace {
 
-/// A leaf stays where it is while its parent grows by no more than this factor.
+/// A leaf keeps its place while its parent grows by no more than this factor.
 constexpr double kStays = 1.1;
 
-/// So many leaves, and this share of those that are there, become a tree of their own.
+/// So many leaves, and this share of all, are built into a subtree of their own.
 constexpr std::size_t kMany = 256;
 constexpr std::size_t kShare = 4;
 
@@ -61,7 +61,7 @@ void AabbTree::link_all(std::span<const std::uint32_t> leaves) {
   for (const std::uint32_t leaf : leaves) link(leaf);
 }
 
-/// Halves along the longest way between their middles.
+/// Splits at the median of the longest axis of their centres.
 std::uint32_t AabbTree::join(std::span<Middle> leaves) {
   if (leaves.size() == 1) return leaves[0].leaf;
   Aabb middles{leaves[0].at, leaves[0].at};
@@ -113,7 +113,7 @@ void AabbTree::clear() {
 }
 
 std::uint32_t AabbTree::best_sibling(const Aabb& box) const {
-  // Greedy descent by surface area: go down while a child is cheaper than a new parent here.
+  // Greedy descent by surface area: descend while a child is cheaper than a new parent here.
   std::uint32_t index = root_;
   while (!nodes_[index].leaf()) {
     const double here = nodes_[index].box.half_area();
@@ -175,7 +175,7 @@ void AabbTree::refit(std::uint32_t index, bool improve) {
   for (; index != kNone; index = nodes_[index].parent) {
     Node& node = nodes_[index];
     const Aabb box = nodes_[node.child[0]].box.merged(nodes_[node.child[1]].box);
-    // Where nothing changes here, nothing changes above.
+    // If the box is unchanged here, it is unchanged above.
     const bool same = box.min == node.box.min && box.max == node.box.max;
     node.box = box;
     if (improve) rotate(index);
@@ -184,7 +184,7 @@ void AabbTree::refit(std::uint32_t index, bool improve) {
 }
 
 void AabbTree::rotate(std::uint32_t index) {
-  // Swap a child with a grandchild of the other side where that shrinks the inner box most.
+  // Swap a child with a grandchild of the other side if that shrinks the inner box most.
   int best_side = -1;
   int best_grandchild = 0;
   double best_gain = 0.0;
@@ -192,7 +192,7 @@ void AabbTree::rotate(std::uint32_t index) {
     const Node& inner = nodes_[nodes_[index].child[side]];
     if (inner.leaf()) continue;
     const Aabb& other = nodes_[nodes_[index].child[1 - side]].box;
-    for (int g = 0; g < 2; ++g) {  // grandchild g changes place with the other child
+    for (int g = 0; g < 2; ++g) {  // grandchild g and the other child swap
       const double area = nodes_[inner.child[1 - g]].box.merged(other).half_area();
       const double gain = inner.box.half_area() - area;
       if (gain > best_gain) {

@@ -10,27 +10,27 @@
 
 namespace tandem::collision {
 
-/// Binary tree of boxes that changes leaf by leaf. Its shape depends on the order of changes; what
-/// a query finds does not, and callers sort it.
+/// Dynamic binary tree of boxes. Its shape depends on the order of changes; the set of query
+/// results does not, and callers sort them.
 class AabbTree {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   /// @return the leaf's handle
   std::uint32_t insert(const Aabb& box, std::uint32_t value);
-  /// A leaf that is in the tree once link_all() was called: of many at once it makes a better tree,
-  /// in less time.
+  /// Makes a leaf that link_all() adds to the tree: for many at once this gives a better tree,
+  /// faster.
   std::uint32_t prepare(const Aabb& box, std::uint32_t value);
   /// @param leaves  handles of prepare()
   void link_all(std::span<const std::uint32_t> leaves);
   void remove(std::uint32_t leaf);
-  /// The same handle with another box.
+  /// Moves the leaf to another box; the handle stays.
   void move(std::uint32_t leaf, const Aabb& box);
   void clear();
 
   const Aabb& box(std::uint32_t leaf) const { return nodes_[leaf].box; }
 
-  /// Calls visit(value) for each leaf whose box meets `box`, in no particular order.
+  /// Calls visit(value) for each leaf whose box overlaps `box`, in unspecified order.
   void query(const Aabb& box, std::vector<std::uint32_t>& stack, auto&& visit) const {
     stack.clear();
     const auto meets = [&](std::uint32_t index) { return nodes_[index].box.overlaps(box); };
@@ -40,7 +40,7 @@ class AabbTree {
       if (node.leaf()) {
         visit(node.value());
       } else {
-        // Only what has to wait goes on the stack.
+        // Only one child goes on the stack, if both meet.
         const bool first = meets(node.child[0]);
         const bool second = meets(node.child[1]);
         if (first && second) stack.push_back(node.child[0]);
@@ -53,9 +53,9 @@ class AabbTree {
     }
   }
 
-  /// Calls visit(value) for each leaf that is reached through boxes which enter(box) accepts, in
-  /// the order that second_first(first child's box, second child's box) tells. That one must not
-  /// change on the way; enter() may. Allocates nothing.
+  /// Calls visit(value) for each leaf that is reached through boxes accepted by enter(box).
+  /// second_first(first child's box, second child's box) selects the order; it must not change
+  /// during the walk, enter() may. Allocates nothing.
   template <class SecondFirst, class Enter, class Visit>
   void walk(SecondFirst&& second_first, Enter&& enter, Visit&& visit) const {
     const auto first_of = [&](const Node& node) {
@@ -71,8 +71,8 @@ class AabbTree {
         }
         visit(node.value());
       }
-      // Up, to the first ancestor whose later child has not been seen. The parents are the stack:
-      // nothing bounds the depth of this tree.
+      // Up to the first ancestor whose later child is unseen. Parent links replace a stack, since
+      // the depth of this tree is unbounded.
       for (;;) {
         const std::uint32_t parent = nodes_[index].parent;
         if (parent == kNone) return;
@@ -85,7 +85,7 @@ class AabbTree {
   }
 
  private:
-  /// One line of the nearest memory.
+  /// One cache line.
   struct alignas(64) Node {
     Aabb box;
     std::uint32_t parent = kNone;             ///< next free node while unused
@@ -97,12 +97,12 @@ class AabbTree {
   std::uint32_t take_node();
   void free_node(std::uint32_t index);
   void link(std::uint32_t leaf);
-  /// A leaf and the middle of its box, twice.
+  /// A leaf and twice the centre of its box.
   struct Middle {
     pbd::Vec3 at;
     std::uint32_t leaf;
   };
-  /// @return the root of a tree of its own
+  /// @return the root of the new subtree
   std::uint32_t join(std::span<Middle> leaves);
   void unlink(std::uint32_t leaf);
   std::uint32_t best_sibling(const Aabb& box) const;

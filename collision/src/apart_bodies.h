@@ -11,22 +11,22 @@
 
 namespace tandem::collision {
 
-/// Pairs of bodies whose colliders make no contacts with each other: those that the application
-/// named, and those that joints hold apart in this step.
+/// Pairs of bodies whose colliders make no contacts with each other: named by the application, or
+/// kept apart by joints in this step.
 class ApartBodies {
  public:
-  /// Whether the pair is one of them.
+  /// Whether the pair is kept apart.
   bool contains(std::uint32_t a, std::uint32_t b) const {
     return !all_.empty() && find(pbd::BodyPair::of(a, b));
   }
   bool named(std::uint32_t a, std::uint32_t b) const;
-  /// Slots, ascending.
+  /// Pairs that the application named, by slot, ascending.
   std::span<const pbd::BodyPair> named() const { return named_; }
-  /// @return whether that is another one than before
+  /// @return whether this changed anything
   bool name(pbd::BodyPair pair, bool apart);
   void remove_body(std::uint32_t body);
-  /// Bring the pairs up to date with the world's joints; visit(body) for the bodies of each that
-  /// came or went since the last call.
+  /// Updates the pairs from the world's joints; calls visit(body) for the bodies of each pair that
+  /// was added or removed since the last call.
   void update(const pbd::World& world, auto&& visit) {
     if (!renew(world)) return;
     for (const pbd::BodyPair& pair : changed_) {
@@ -36,7 +36,7 @@ class ApartBodies {
   }
 
   void save(pbd::ByteWriter& out) const;
-  /// @return false where the bytes are no pairs of bodies
+  /// @return false if the input has no valid pairs of bodies
   bool load(pbd::ByteReader& in);
 
  private:

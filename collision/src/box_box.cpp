@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Refines contacts of two boxes that the collision library has found before: the same 15 directions
-// that it searches, at a tenth of the cost (no contact points, no allocation, and most pairs end
-// at the direction that kept them apart in the last step).
+// that it searches, at a tenth of the cost (no contact points, no allocation, and most pairs end at
+// the direction that separated them in the last step).
 #include "box_box.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace tandem::collision {
 namespace {
 
-/// Sine below which two edges have no direction across both.
+/// Sine below which two edges count as parallel.
 constexpr double kMinSine = 1e-3;
 
 ConvexCore core_of(const Vec3& centre, const Mat3& axes, const Vec3& half) {
@@ -87,7 +87,7 @@ void BoxPair::across_edges(BoxAxis& best) const {
   const double extent = a_.half[kI1] * turn_abs_(kI2, kJ) + a_.half[kI2] * turn_abs_(kI1, kJ) +
                         b_.half[kJ1] * turn_abs_(kI, kJ2) + b_.half[kJ2] * turn_abs_(kI, kJ1);
   const double gap = std::abs(d) - extent;
-  // An overlap only grows by the division below.
+  // The division below only increases an overlap.
   if (gap <= 0.0 && gap <= best.separation) return;
   const double sine2 = 1.0 - turn_(kI, kJ) * turn_(kI, kJ);
   if (sine2 < kMinSine * kMinSine) return;
@@ -103,7 +103,7 @@ BoxAxis BoxPair::best(std::uint8_t before, double margin) const {
     if (axis.separation > face.separation + 1e-9) face = axis;
   }
   if (face.separation >= margin) return face;
-  // Edges matter only where they separate more than faces.
+  // Edges matter only if they separate more than faces.
   BoxAxis edge = face;
   across_edges<0, 0>(edge);
   across_edges<0, 1>(edge);
@@ -150,7 +150,7 @@ void BoxPair::face_points(const BoxAxis& axis, double margin, RawManifold& out) 
   const int v = (k + 2) % 3;
   const BoxPose& reference = of_a ? a_ : b_;
   const BoxPose& incident = of_a ? b_ : a_;
-  // All in the frame of the reference box. `up` points to the incident one.
+  // All in the frame of the reference box. `up` points to the incident box.
   const double up = of_a ? axis.sign : -axis.sign;
   const Vec3 out_of_face = up * Vec3::Unit(k);
   const CoreFace top =

@@ -8,18 +8,18 @@
 
 namespace tandem::collision {
 
-/// A box that moves along a line, for searches in trees of boxes. Conservative: rounding never
-/// hides a box that is met.
+/// A moving box, for searches in trees of boxes. Conservative: rounding never hides a box that is
+/// met.
 class BoxSweep {
  public:
-  /// @param direction  unit, or zero for a box that stays
+  /// @param direction  unit, or zero for a box at rest
   BoxSweep(const Aabb& box, const pbd::Vec3& direction)
       : start_(0.5 * (box.min + box.max)),
         half_(0.5 * (box.max - box.min)),
         direction_(direction),
         inverse_(direction.cwiseInverse()) {}
 
-  /// How far it moves until it meets `box`, m; infinite where not within `limit`.
+  /// Distance until it meets `box`, m; infinite if not within `limit`.
   double rank(const Aabb& box, double limit) const {
     double from = 0.0;
     double to = limit;
@@ -42,7 +42,7 @@ class BoxSweep {
     return from;
   }
 
-  /// Whether the second of two boxes lies nearer to the start.
+  /// Whether the second of two boxes is nearer to the start.
   bool second_first(const Aabb& first, const Aabb& second) const {
     const pbd::Vec3 between = (second.min + second.max) - (first.min + first.max);
     return direction_.dot(between) < 0.0;

@@ -9,17 +9,17 @@
 namespace tandem::collision {
 namespace {
 
-/// A fat box more than this many margins wider than needed is made anew.
+/// A fat box that is more than this many margins too wide is rebuilt.
 constexpr double kShrink = 8.0;
 /// The margin is at most this share of a collider's least extent.
 constexpr double kMarginShare = 0.06;
-/// Steps ahead that a fat box reaches out in the direction of motion.
+/// Steps by which a fat box extends in the direction of motion.
 constexpr double kAhead = 3.0;
-/// Boxes that one worker looks up at a time.
+/// Lookups per chunk of a worker.
 constexpr std::size_t kGrain = 32;
-/// The same, where most of them have not moved.
+/// The same if most of them have not moved.
 constexpr std::size_t kLookGrain = 256;
-/// Place in a list that ascends; its size where `index` is not in it.
+/// Index in an ascending list; its size if `index` is not in it.
 std::size_t place_of(const std::vector<std::uint32_t>& list, std::uint32_t index) {
   const auto at = std::lower_bound(list.begin(), list.end(), index);
   const bool found = at != list.end() && *at == index;
@@ -27,7 +27,7 @@ std::size_t place_of(const std::vector<std::uint32_t>& list, std::uint32_t index
 }
 
 double margin_of(const Collider& c) { return std::min(kAabbMargin, kMarginShare * c.size); }
-/// m, room for the steps to come.
+/// m, room for the coming steps.
 Vec3 ahead_of(const Collider& c) { return (kAhead * c.motion().span) * c.motion().twist.linear; }
 
 bool plane_reaches(const Collider& plane, const Aabb& fat, double dt) {
@@ -36,7 +36,7 @@ bool plane_reaches(const Collider& plane, const Aabb& fat, double dt) {
   const Vec3 half = 0.5 * (fat.max - fat.min);
   const double turning = plane.motion().twist.angular.norm() * dt *
                          ((middle - plane.body.position).norm() + half.norm());
-  // Its own share of the margins, as `needed` has for the others.
+  // The plane's own share of the margins, as `needed` contains for the others.
   const double own =
       plane.margins.speculative + plane.margins.recycle + plane.travel_within(dt) + turning;
   return n.dot(middle) - n.cwiseAbs().dot(half) <= plane.plane_offset() + own;
@@ -47,7 +47,7 @@ bool plane_reaches(const Collider& plane, const Aabb& fat, double dt) {
 bool may_touch(const Collider& a, const Collider& b) {
   if (!a.alive || !b.alive || a.def.body == b.def.body) return false;
   if (!a.active() && !b.active()) return false;
-  // Of those that are not convex, only a mesh and a half-space meet.
+  // Of non-convex colliders, only a mesh and a half-space meet.
   if (!a.is_convex() && !b.is_convex() && !(a.is_mesh() && b.is_half_space()) &&
       !(b.is_mesh() && a.is_half_space())) {
     return false;
@@ -163,7 +163,7 @@ bool BroadPhase::still_close(const ColliderPair& pair, const std::vector<Collide
   const Collider& low = colliders[pair.low];
   const Collider& high = colliders[pair.high];
   if (!low.finite || !high.finite) return false;
-  // Bytes that were loaded may name any pair.
+  // Loaded input may name any pair.
   if (!(low.is_half_space() || placed(pair.low)) || !(high.is_half_space() || placed(pair.high)) ||
       (low.is_half_space() && high.is_half_space())) {
     return false;
@@ -196,13 +196,13 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
     const std::uint32_t i = watched[k];
     const Collider& c = colliders[i];
     if (placed(i) && placed_fixed(i) == c.active()) look_again(i);  // its body's type has changed
-    if (!c.finite) {  // out of the tree, so that it is found anew when it is back among numbers
+    if (!c.finite) {  // leaves the tree, so that it is found again once it is finite
       all_finite = false;
       unlink(i);
       remember_plane(i, {});
       flag(i);
     } else if (c.is_half_space()) {
-      // The length of the step is of no matter to one that stands.
+      // For a resting half-space the length of the step does not matter.
       const Aabb plane{c.plane_normal(), Vec3(c.plane_offset(), c.travel_within(dt), 0.0)};
       const Aabb before = fat_box(i);
       const bool still = plane.min == before.min && plane.max == before.max &&
@@ -218,7 +218,7 @@ void BroadPhase::update(const std::vector<Collider>& colliders,
   fixed_tree_.link_all(unlinked_);
   unlinked_.clear();
   if (moved_.empty() && !plane_moves && all_finite) return;
-  if (plane_moves) {  // all boxes against the planes
+  if (plane_moves) {  // tests all boxes against the planes
     moved_.clear();
     for (std::uint32_t i = 0; i < colliders.size(); ++i) {
       if (placed(i) && colliders[i].finite) moved_.push_back(i);
@@ -241,7 +241,7 @@ void BroadPhase::trim() {
 }
 
 void BroadPhase::index_pairs() {
-  // What few look up is found without: the index takes a look at every collider.
+  // A few lookups are done without the index, which has to scan every collider.
   constexpr std::size_t kFew = 32;
   indexed_ = kFew * moved_.size() >= leaves_.size();
   if (!indexed_) return;
@@ -275,7 +275,7 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = moved_[k];
       const auto meet = [&](std::uint32_t j) {
-        // Of two that moved the lower one proposes. What is in a tree is finite.
+        // Of two that moved, the lower one proposes the pair. Boxes in a tree are finite.
         if (i == j || (has_moved_[j] != 0 && j < i)) return;
         propose(i, j);
       };
@@ -288,7 +288,7 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
       }
     }
   });
-  // Put in order, so that it does not matter who found what.
+  // Sorted, so that it does not matter which worker found what.
   found_.clear();
   for (Search& search : searches_) {
     found_.insert(found_.end(), search.found.begin(), search.found.end());
@@ -298,7 +298,7 @@ void BroadPhase::find(const std::vector<Collider>& colliders, double dt, pbd::Wo
 
 void BroadPhase::merge_found() {
   if (found_.empty()) return;
-  // From the back, in place: a heap has ten pairs for each body.
+  // Merged in place, from the back: a heap has ten pairs per body.
   std::size_t old = pairs_.size();
   std::size_t at = old + found_.size();
   pairs_.resize(at);

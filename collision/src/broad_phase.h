@@ -20,21 +20,21 @@ struct ColliderPair {
   std::uint32_t low = 0;
   std::uint32_t high = 0;
   std::uint32_t cache = 0;  ///< slot in the scene's caches; says nothing about order
-  bool fresh = true;        ///< new in this step: the slot holds somebody else's old data
+  bool fresh = true;        ///< new in this step: the slot holds old data of another pair
 
   friend bool operator<(const ColliderPair& l, const ColliderPair& r) {
     return l.low != r.low ? l.low < r.low : l.high < r.high;
   }
 };
 
-/// Whether two colliders make contacts at all, by their bodies, kinds and filters. See
-/// BroadPhase::meet() for pairs of bodies.
+/// Whether two colliders make contacts, by their bodies, kinds and filters. Pairs of bodies set
+/// apart: see BroadPhase::meet().
 bool may_touch(const Collider& a, const Collider& b);
 
-/// m: how far a collider may wander at most before its fat box is made anew.
+/// m, largest distance that a collider may move before its fat box is rebuilt.
 inline constexpr double kAabbMargin = 0.05;
 
-/// Keeps the list of pairs, sorted. Does no work for colliders that stay within their fat boxes.
+/// Keeps the sorted list of pairs. Does no work for colliders that stay within their fat boxes.
 class BroadPhase {
  public:
   void add(std::uint32_t index, const Collider& collider);
@@ -44,65 +44,64 @@ class BroadPhase {
   bool meet(const Collider& a, const Collider& b) const {
     return may_touch(a, b) && !apart.contains(a.def.body.index, b.def.body.index);
   }
-  /// Its changes take effect with ApartBodies::update(), for colliders that are then looked at
-  /// again.
+  /// Its changes take effect with ApartBodies::update(), for colliders passed to look_again().
   ApartBodies apart;
 
-  /// Forget the collider's box and pairs, so that the next update() finds them anew.
+  /// Drops the collider's box and pairs, so that the next update() finds them again.
   void look_again(std::uint32_t index);
 
-  /// Bring boxes and pairs up to date with the colliders' `needed` boxes.
-  /// @param watched  ascending, all but those that lie still where their boxes are
+  /// Updates boxes and pairs from the colliders' `needed` boxes.
+  /// @param watched  ascending; all except those at rest in their boxes
   void update(const std::vector<Collider>& colliders, std::span<const std::uint32_t> watched,
               double dt, pbd::Workers& workers);
 
-  /// Give back memory that the last update() did not need.
+  /// Frees memory that the last update() did not need.
   void trim();
 
-  /// Without those of what was removed since, or is to be looked at again.
+  /// The pairs, without those of colliders that were removed since or passed to look_again().
   std::vector<ColliderPair>& pairs() {
     if (any_dropped_) drop_pairs([](const ColliderPair&) { return false; });
     return pairs_;
   }
-  /// Calls visit(index) for each collider whose fat box meets `box`, and for each half-space.
+  /// Calls visit(index) for each collider whose fat box overlaps `box`, and for each half-space.
   /// @param moving  false leaves out colliders of dynamic bodies
   void query(const Aabb& box, bool moving, std::vector<std::uint32_t>& stack, auto&& visit) const {
     fixed_tree_.query(box, stack, visit);
     if (moving) tree_.query(box, stack, visit);
     for (const std::uint32_t plane : half_spaces_) visit(plane);
   }
-  /// Pairs that the last update() added; empty where it had nothing to do.
+  /// Pairs that the last update() added; empty if it had nothing to do.
   const std::vector<ColliderPair>& found() const { return found_; }
-  /// Boxes that the last update() looked up among the others.
+  /// Lookups of a box in the last update().
   std::size_t searches() const { return moved_.size(); }
-  /// Slots in use or free; a pair's `cache` is below this.
+  /// Number of slots, used or free; a pair's `cache` is below it.
   std::uint32_t cache_slots() const { return cache_slots_; }
-  /// Of a half-space: what its reach depended on in the last step.
+  /// For a half-space: the values that its range depended on in the last step.
   Aabb fat_box(std::uint32_t index) const;
   bool placed(std::uint32_t index) const { return leaves_[index] != AabbTree::kNone; }
-  /// Whether the box was placed as one of an immovable collider.
+  /// Whether the box was placed as that of an immovable collider.
   bool placed_fixed(std::uint32_t index) const {
     return placed(index) && (leaves_[index] & kFixed) != 0;
   }
 
-  /// For load(): forget all boxes and pairs, put boxes and pairs (ascending) back one by one.
+  /// For load(): clear everything, then add boxes and pairs (ascending) one by one.
   void reset();
   void place(std::uint32_t index, const Aabb& fat, bool fixed);
-  /// Of no effect for anything but a half-space.
+  /// No effect unless it is a half-space.
   void remember_plane(std::uint32_t index, const Aabb& plane);
   ColliderPair& append_pair(std::uint32_t low, std::uint32_t high);
-  /// Become a copy; scratch memory stays.
+  /// Becomes a copy; scratch memory stays.
   void assign(const BroadPhase& source);
 
  private:
-  /// In a leaf's handle: it is one of fixed_tree_.
+  /// Bit of a leaf's handle: it is in fixed_tree_.
   static constexpr std::uint32_t kFixed = 0x80000000u;
 
   const Aabb& fat(std::uint32_t index) const {
     const std::uint32_t leaf = leaves_[index] & ~kFixed;
     return placed_fixed(index) ? fixed_tree_.box(leaf) : tree_.box(leaf);
   }
-  /// All that are to go, and those that `parted` says of, in one pass.
+  /// Removes the pairs of dropped colliders and those for which `parted` is true, in one pass.
   void drop_pairs(auto&& parted) {
     std::erase_if(pairs_, [&](const ColliderPair& pair) {
       const bool gone = dropped_[pair.low] != 0 || dropped_[pair.high] != 0 || parted(pair);
@@ -115,8 +114,7 @@ class BroadPhase {
   void unlink(std::uint32_t index);
   bool still_close(const ColliderPair& pair, const std::vector<Collider>& colliders,
                    double dt) const;
-  /// Whether update() has nothing to do with it: its place in a tree is good for where it is and
-  /// goes.
+  /// Whether update() can skip it: its box in the tree fits its place and motion.
   bool is_as_it_was(std::uint32_t index, const Collider& collider) const;
   void refit(std::uint32_t index, const Collider& collider);
   void index_pairs();
@@ -126,23 +124,23 @@ class BroadPhase {
   std::uint32_t take_slot();
 
   AabbTree tree_;                           ///< of dynamic bodies
-  AabbTree fixed_tree_;                     ///< of all others
+  AabbTree fixed_tree_;                     ///< of all other bodies
   std::vector<std::uint32_t> leaves_;       ///< by collider
   std::vector<std::uint32_t> half_spaces_;  ///< ascending
   std::vector<Aabb> planes_;                ///< of half_spaces_: normal; offset, motion
   std::vector<ColliderPair> pairs_;
-  std::vector<std::uint8_t> dropped_;  ///< by collider: its pairs are to go
+  std::vector<std::uint8_t> dropped_;  ///< by collider: its pairs must go
   bool any_dropped_ = false;
   std::vector<ColliderPair> found_;
   std::vector<std::uint32_t> moved_;
   std::vector<std::uint8_t> stays_;        ///< by watched collider, scratch of update()
   std::vector<std::uint32_t> unlinked_;    ///< leaves of fixed_tree_ that update() has prepared
   std::vector<std::uint8_t> has_moved_;    ///< by collider; 0 between two updates
-  std::vector<std::uint32_t> flagged_;     ///< where that is set
+  std::vector<std::uint32_t> flagged_;     ///< colliders set in has_moved_
   std::vector<std::uint32_t> first_pair_;  ///< by lower collider, into pairs_; see known()
   bool indexed_ = false;
   std::vector<std::uint32_t> free_slots_;
-  /// Of one worker.
+  /// Scratch of one worker.
   struct Search {
     std::vector<std::uint32_t> stack;
     std::vector<ColliderPair> found;

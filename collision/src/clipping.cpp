@@ -10,17 +10,17 @@ namespace tandem::collision {
 namespace {
 
 /// m: a corner this far outside a side plane still counts as inside, so that aligned boxes keep
-/// their corners and with them their features.
+/// their corners and their features.
 constexpr double kClipSlop = 1e-6;
-/// Sine below which two edges run alongside each other.
+/// Sine below which two edges count as parallel.
 constexpr double kParallel = 0.05;
 /// A later candidate must beat an earlier one by this factor.
 constexpr double kBias = 0.95;
-/// Share of the slop by which a point must lie below the others to bear in their place.
+/// Share of the slop by which a point must be below the others to replace one as support.
 constexpr double kBearing = 0.1;
 
-/// Corner of the polygon while it is being clipped. `edge` names the edge to the next corner:
-/// >= 0 an edge of the incident face, else ~k for side k of the reference face.
+/// Corner of the polygon being clipped. `edge` names the edge to the next corner: >= 0 an edge of
+/// the incident face, else ~k for side k of the reference face.
 struct Corner {
   Vec3 p;
   std::uint32_t feature;
@@ -32,21 +32,21 @@ struct Ids {
   const CoreFace& incident;
   bool reference_is_a;
 
-  /// Feature where side k of the reference cuts the polygon edge `edge`.
+  /// Feature at the intersection of side k of the reference with the polygon edge `edge`.
   std::uint32_t at(int edge, int k) const {
     if (edge >= 0) {
       const std::uint32_t r = reference.edge_ids[k];
       const std::uint32_t i = incident.edge_ids[edge];
       return reference_is_a ? crossing_feature(r, i) : crossing_feature(i, r);
     }
-    // Two neighbouring sides of the reference meet in a corner of it.
+    // Two neighbouring sides of the reference meet in one of its corners.
     const int other = ~edge;
     const int corner = (k + 1) % reference.count == other ? other : k;
     return corner_feature(!reference_is_a, reference.corner_ids[corner]);
   }
 };
 
-/// Unit normal, out of the prism, of its side over edge k. The axis may point either way.
+/// Unit normal, out of the prism, of its side over edge k. The axis may have either sign.
 Vec3 side_normal(const CoreFace& reference, const Vec3& axis, int k) {
   const Vec3& from = reference.corners[k];
   const Vec3 out = (reference.corners[(k + 1) % reference.count] - from).cross(axis).normalized();
@@ -68,7 +68,7 @@ ClippedFace clip_segment(const CoreFace& reference, const Vec3& axis, const Core
     const double slope = out.dot(d);
     const double at1 = at0 + slope;
     if (at0 > kClipSlop && at1 > kClipSlop) return {};
-    // Within the slop the side is met beyond an end of the segment.
+    // Within the slop the intersection may be beyond an end of the segment.
     const double t = std::clamp(-at0 / slope, 0.0, 1.0);
     if (at0 > kClipSlop) {
       if (t > t0) {
@@ -91,8 +91,8 @@ ClippedFace clip_segment(const CoreFace& reference, const Vec3& axis, const Core
   return out;
 }
 
-/// Sutherland-Hodgman; distance(k, p) is that of p outside side k. A convex n-gon gains at most one
-/// corner for each side.
+/// Sutherland-Hodgman; distance(k, p) is how far p is outside side k. A convex n-gon gains at most
+/// one corner per side.
 ClippedFace clip_polygon(const CoreFace& reference, const CoreFace& incident, const Ids& ids,
                          auto&& distance) {
   constexpr int kMax = 2 * CoreFace::kMaxCorners;
@@ -123,11 +123,11 @@ ClippedFace clip_polygon(const CoreFace& reference, const CoreFace& incident, co
       const bool in_j = outside[j] <= kClipSlop;
       if (in_i) push(polygon[i]);
       if (in_i != in_j) {
-        // Both ends may lie outside the exact plane, one within the slop: stay on the edge.
+        // Both ends may be outside the exact plane, one within the slop: stay on the edge.
         const double t = std::clamp(outside[i] / (outside[i] - outside[j]), 0.0, 1.0);
         const Corner cut{polygon[i].p + t * (polygon[j].p - polygon[i].p),
                          ids.at(polygon[i].edge, k), in_i ? ~k : polygon[i].edge};
-        // A corner within the slop is not doubled by the cut next to it.
+        // A corner within the slop is not duplicated by the cut next to it.
         const Vec3& kept = in_i ? polygon[i].p : polygon[j].p;
         if ((cut.p - kept).squaredNorm() > kClipSlop * kClipSlop) {
           push(cut);
@@ -145,8 +145,8 @@ ClippedFace clip_polygon(const CoreFace& reference, const CoreFace& incident, co
   return result;
 }
 
-/// Nearest points of two segments u and v whose origins are w apart, as shares of their lengths; of
-/// their scalar products. Source: [ericson2005] Sec. 5.1.9.
+/// Nearest points of two segments u and v whose origins are w apart, as shares of their lengths,
+/// from their scalar products. Source: [ericson2005] Sec. 5.1.9.
 std::pair<double, double> nearest_shares(double uu, double vv, double uv, double uw, double vw) {
   if (vv <= 0.0) return {uu > 0.0 ? std::clamp(-uw / uu, 0.0, 1.0) : 0.0, 0.0};
   const double sine2_uuvv = uu * vv - uv * uv;
@@ -179,7 +179,7 @@ ClippedFace clip_to_rectangle(const CoreFace& reference, int u, int v, const Vec
   const Ids ids{reference, incident, reference_is_a};
   std::array<int, 4> axis;
   std::array<double, 4> sign;
-  for (int k = 0; k < 4; ++k) {  // the side from corner k to the next one: which coordinate stays
+  for (int k = 0; k < 4; ++k) {  // side k from corner k to the next: its constant coordinate
     const Vec3& from = reference.corners[k];
     const Vec3& to = reference.corners[(k + 1) % 4];
     axis[k] = (from[u] > 0.0) == (to[u] > 0.0) ? u : v;
@@ -215,7 +215,7 @@ int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double
   };
 
   if (uu > 0.0 && vv > 0.0 && sine2_uuvv <= kParallel * kParallel * uu * vv) {
-    // Where on a (as a share of its length) the ends of b lie.
+    // Position of the ends of b along a, as a share of its length.
     const double s_from = -uw / uu;
     const double s_to = s_from + uv / uu;
     const double low = std::max(0.0, std::min(s_from, s_to));
@@ -242,7 +242,7 @@ static double area(const Vec3& normal, const Vec3& a, const Vec3& b, const Vec3&
   return normal.dot((b - a).cross(c - a));
 }
 
-/// Shares of the corners of the triangle of the first three points in p, seen along the normal.
+/// Barycentric coordinates of p in the triangle of the first three points, seen along the normal.
 static Vec3 shares(const RawPoint* points, const Vec3& normal, const Vec3& p) {
   const Vec3& a = points[0].on_b;
   const Vec3& b = points[1].on_b;
@@ -254,13 +254,13 @@ static Vec3 shares(const RawPoint* points, const Vec3& normal, const Vec3& p) {
   return sum == 0.0 ? Vec3(Vec3::Constant(-HUGE_VAL)) : Vec3(Vec3(u, v, w) / sum);
 }
 
-/// How far above the plane of the first three a point lies, m.
+/// Height of a point above the plane of the first three, m.
 static double above(const RawPoint* points, const Vec3& normal, const RawPoint& p) {
   return p.gap -
          shares(points, normal, p.on_b).dot(Vec3(points[0].gap, points[1].gap, points[2].gap));
 }
 
-/// Puts point i in the place of that one of the first three without which the weight stands best.
+/// Replaces one of the first three points by point i so that the weight is supported best.
 static void exchange(RawPoint* points, int i, const Vec3& normal, const Vec3& weight) {
   int best = 0;
   double inside = -HUGE_VAL;
@@ -275,10 +275,10 @@ static void exchange(RawPoint* points, int i, const Vec3& normal, const Vec3& we
   std::swap(points[best], points[i]);
 }
 
-/// Exchanges the first three points until none lies below their plane: those bear the weight, and a
-/// tilt does not change which they are. The fourth is the deepest, where that is none of them, or
-/// the one that the body tips on to first, over the side that the weight is nearest to. Whether any
-/// was exchanged; then there are four.
+/// Exchanges the first three points until no point is below their plane: these support the weight,
+/// and a tilt does not change the choice. The fourth point is the deepest, if it is not among them,
+/// else the one that the body would tip on to first, over the side nearest to the weight. Returns
+/// whether any was exchanged; there are four points then.
 static bool settle(RawPoint* points, int count, const Vec3& normal, double slop,
                    const Vec3& weight) {
   bool changed = false;
@@ -324,7 +324,7 @@ int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const V
   const auto preferred = [&](const RawPoint& p) {
     return std::find(kept, kept + kept_count, p.feature) != kept + kept_count;
   };
-  // Points that were chosen last time first, then by feature: earlier ones win near-ties.
+  // Points of the last choice first, then by feature: earlier ones win near-ties.
   std::sort(points, points + count, [&](const RawPoint& l, const RawPoint& r) {
     const bool pl = preferred(l);
     const bool pr = preferred(r);
@@ -338,7 +338,7 @@ int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const V
     middle += points[i].on_b;
   }
   middle /= count;
-  /// Move the point with the best score to place `at`.
+  /// Moves the point with the best score to index `at`.
   const auto take = [&](int at, auto&& score) {
     int best = -1;
     double best_score = 0.0;
@@ -354,7 +354,7 @@ int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const V
     return true;
   };
   const auto flat = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal); };
-  // Among the deepest ones the outermost: the support is as wide as it can be.
+  // The outermost of the deepest points, so that the support is as wide as possible.
   if (!take(0, [&](const RawPoint& p) {
         return p.gap <= deepest + slop ? 1e-30 + flat(p.on_b - middle).squaredNorm() : 0.0;
       })) {

@@ -12,14 +12,14 @@
 
 namespace tandem::collision {
 
-/// A contact point before it is put into the frames of the bodies. Anchors lie on the cores.
+/// A contact point in the world, before it is put into body frames. Anchors are on the cores.
 struct RawPoint {
   Vec3 on_a, on_b;
-  double gap;  ///< m, between the surfaces (radii taken off)
+  double gap;  ///< m, between the surfaces (minus the radii)
   std::uint32_t feature;
 
-  /// By feature, then the deeper one, then by place: no two different ones are equal, as libraries
-  /// differ in which of equal ones they sort first.
+  /// By feature, then depth, then position. A total order: standard libraries differ in how they
+  /// sort equal elements.
   bool operator<(const RawPoint& other) const {
     const auto place = [](const RawPoint& p) {
       return std::tie(p.feature, p.gap, p.on_a.x(), p.on_a.y(), p.on_a.z(), p.on_b.x(), p.on_b.y(),
@@ -29,23 +29,23 @@ struct RawPoint {
   }
 };
 
-/// The body in whose frame a manifold's normal is constant, where one owns a reference face.
+/// The body in whose frame a manifold's normal is constant, if one owns a reference face.
 enum class FaceOwner : std::uint8_t { None, A, B };
 
 struct RawManifold {
   static constexpr int kMaxPoints = 2 * CoreFace::kMaxCorners;
   Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b
   FaceOwner owner = FaceOwner::None;
-  std::uint32_t cluster = 0;  ///< of a mesh: tells its manifolds apart
+  std::uint32_t cluster = 0;  ///< of a mesh: distinguishes its manifolds
   int count = 0;
-  /// m: how far what was left out has to sink before it bears in place of the points; infinite
-  /// where nothing was.
+  /// m: how far the nearest omitted point must sink before it carries load; infinite if none was
+  /// omitted.
   double left_out = HUGE_VAL;
   std::array<RawPoint, kMaxPoints> points;
 
   RawManifold() = default;
   RawManifold(const RawManifold& other) { *this = other; }
-  /// Only the points in use: most are not.
+  /// Copies only the points in use: most are unused.
   RawManifold& operator=(const RawManifold& other) {
     normal = other.normal;
     owner = other.owner;
@@ -60,7 +60,7 @@ struct RawManifold {
     return std::any_of(points.begin(), points.begin() + count,
                        [&](const RawPoint& p) { return p.feature == feature; });
   }
-  /// Where there is no room, the highest point makes way for a lower one.
+  /// If there is no room, a lower point replaces the highest one.
   void add(const RawPoint& point) {
     if (count < kMaxPoints) {
       points[count++] = point;
@@ -84,32 +84,32 @@ struct ClippedFace {
   std::array<ClippedCorner, 2 * CoreFace::kMaxCorners> corners;
 };
 
-/// What of `incident` lies within the prism over the reference face, `axis` being the prism's
-/// direction. `reference_is_a` tells whose ids are whose.
+/// Clips `incident` to the prism over the reference face along `axis`. `reference_is_a` tells which
+/// body each face belongs to.
 ClippedFace clip_face(const CoreFace& reference, const Vec3& axis, const CoreFace& incident,
                       bool reference_is_a);
 
-/// The same for a reference face that is a rectangle about the origin of the frame in which all
-/// positions are given: its corners lie at (+-half[u], +-half[v]).
+/// Like clip_face(), for a reference face that is a rectangle about the origin of the frame in
+/// which all positions are given: its corners are (+-half[u], +-half[v]).
 ClippedFace clip_to_rectangle(const CoreFace& reference, int u, int v, const Vec3& half,
                               const CoreFace& incident, bool reference_is_a);
 
-/// The points of two edges between which a contact along `normal` acts: two where the edges run
-/// alongside each other, else the nearest two points of them.
+/// Contact points of two edges along `normal`: two if the edges are nearly parallel, else their
+/// nearest points.
 /// @param radii  sum of the radii, m     @return number of points
 int edge_points(const CoreEdge& a, const CoreEdge& b, const Vec3& normal, double radii,
                 std::array<RawPoint, 2>& out);
 
-/// Choose at most four of the points, in place: the deepest, then those that span the largest
-/// area. Earlier points win over later ones that are hardly better, and those that `kept` names
-/// (the features chosen last time) over all others, so that the choice does not flicker.
-/// Where others lie below the plane of these, they are exchanged for those that bear the weight.
-/// @param slop  m: depths that differ by less count as equal
-/// @param weight  m, centre of mass of the body that lies on the other
+/// Chooses at most four of the points, in place: the deepest, then those that span the largest
+/// area. Earlier points win over later ones that are hardly better, and those with features in
+/// `kept` (chosen last time) over all others, to avoid flicker. If other points are below the plane
+/// of these, those that carry the weight are taken instead.
+/// @param slop  m: smaller differences of depth count as equal
+/// @param weight  m, centre of mass of the upper body
 int reduce(RawPoint* points, int count, const Vec3& normal, double slop, const Vec3& weight,
            const std::uint32_t* kept, int kept_count);
 
-/// RawManifold::left_out, of the points from `chosen` on that reduce() left.
+/// RawManifold::left_out of the points from `chosen` on, after reduce().
 double least_left_out(const RawPoint* points, int chosen, int count, double slop);
 
 }  // namespace tandem::collision

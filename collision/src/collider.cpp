@@ -12,12 +12,11 @@
 namespace tandem::collision {
 namespace {
 
-/// m, stands for no bound: far above every size that validates, far below trouble with squares.
+/// m, stands for no bound: far above every valid size, but its square does not overflow.
 constexpr double kHuge = 1e9;
 
-// Of a collider's least extent: the reach of its speculative contacts, and how far its parts may
-// move before a contact is found anew. Both are for small bodies, whose margins would be as large
-// as they.
+// Shares of a collider's least extent: speculative margin, and motion of its parts before a contact
+// is found again. For small bodies, whose margins would be as large as the bodies.
 constexpr double kSpeculativeSizeShare = 0.25;
 constexpr double kRecycleSizeShare = 0.02;
 
@@ -90,7 +89,7 @@ Aabb bounds_of(const Collider& c) {
 }  // namespace
 
 double Collider::travel_within(double dt) const {
-  // A half-space reaches everywhere: its turning is accounted for pair by pair.
+  // A half-space extends everywhere: its rotation is handled pair by pair.
   const double turning = is_half_space() ? 0.0 : motion().twist.angular.norm() * reach;
   return (motion().twist.linear.norm() + turning) * dt;
 }
@@ -171,14 +170,14 @@ bool is_static(const Collider& collider, const pbd::World& world) {
 }
 
 void update_collider(Collider& c, const pbd::World& world, double dt) {
-  // Its body may have gone while the scene was not the world's.
+  // Its body may have been removed while the scene was not the world's.
   if (!world.contains(c.def.body)) {
     c.finite = c.still = c.asleep = false;
     return;
   }
   const pbd::BodyState& state = world.states()[c.def.body.index];
   const bool asleep = !world.awake_at(c.def.body.index);
-  // Whatever moves a body wakes it, or World::sleepers_moved() tells.
+  // Moves of sleeping bodies are reported by World::sleepers_moved(); all others wake them.
   if (asleep && c.asleep) {
     c.still = true;
     return;
@@ -206,9 +205,9 @@ void update_collider(Collider& c, const pbd::World& world, double dt) {
   c.finite = c.rotation.allFinite() && c.position.allFinite() && std::isfinite(c.motion().travel);
   c.asleep = c.asleep && c.finite;
   if (!c.finite || c.is_half_space()) return;
-  // Where it is now, where it will be, and what turning may add on the way.
+  // Current bounds, bounds at the end, and what rotation may add in between.
   const Vec3 sweep = dt * c.motion().twist.linear;
-  // Of the margins half: a pair's is the smaller one of two.
+  // Half of the margins: a pair uses the smaller of two.
   const Aabb bounds = bounds_of(c).expanded(0.5 * (c.margins.speculative + c.margins.recycle) +
                                             c.motion().turn * c.reach);
   c.needed = {bounds.min + sweep.cwiseMin(0.0), bounds.max + sweep.cwiseMax(0.0)};

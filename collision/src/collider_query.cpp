@@ -12,7 +12,7 @@
 namespace tandem::collision {
 namespace {
 
-/// m: shapes this near share a point; and share of their sizes.
+/// m, and share of the sizes: shapes this near share a point.
 constexpr double kTouch = 1e-12;
 
 MeshPose mesh_pose(const Collider& c, const Vec3& origin) {
@@ -27,7 +27,7 @@ auto with_surface(const Collider& c, auto&& visit) {
   return visit(mesh_of(c));
 }
 
-/// Bounds along the axes of a turned frame.
+/// Bounds along the axes of a rotated frame.
 Aabb bounds_in(const ConvexCore& core, const MeshPose& frame) {
   Aabb box;
   for (int k = 0; k < 3; ++k) {
@@ -39,8 +39,8 @@ Aabb bounds_in(const ConvexCore& core, const MeshPose& frame) {
   return box;
 }
 
-/// Calls visit(core, triangle) for the convex pieces of the collider; of many pieces those whose
-/// boxes have a finite rank(sweep, box), where the sweep is that of the probe in their frame.
+/// Calls visit(core, triangle) for the convex pieces of the collider. Of many pieces, only those
+/// whose boxes have a finite rank(sweep, box), where the sweep is that of the probe in their frame.
 template <class Rank, class Visit>
 void for_pieces(const Collider& c, const ConvexCore& probe, const Vec3& origin,
                 const Vec3& direction, Rank&& rank, Visit&& visit) {
@@ -57,13 +57,13 @@ void for_pieces(const Collider& c, const ConvexCore& probe, const Vec3& origin,
   }
 }
 
-/// Earlier, or as early and of a lower number: what is found must not depend on the order.
+/// Smaller value, or equal value and lower index: results must not depend on the order.
 bool better_triangle(double value, std::uint32_t triangle, double best,
                      std::uint32_t best_triangle) {
   return value != best ? value < best : triangle < best_triangle;
 }
 
-/// Proximity seen from the collider (as b). Fronts lead out of a mesh, whatever is nearer.
+/// Proximity as seen from the collider (b). Fronts lead out of a mesh, even if the back is nearer.
 SurfaceHit seen(Proximity at, const ConvexCore& probe, const ConvexCore& piece,
                 std::uint32_t triangle, MeshSides sides) {
   if (triangle != TriangleMesh::kNone && at.gap < 0.0 && sides == MeshSides::Front &&
@@ -83,7 +83,7 @@ SurfaceHit seen(Proximity at, const ConvexCore& probe, const ConvexCore& piece,
 
 struct Plane {
   Vec3 normal;
-  double offset;  ///< m, relative to the origin of the query
+  double offset;  ///< m, relative to the query's origin
 };
 
 Plane plane_of(const Collider& c, const Vec3& origin) {
@@ -91,7 +91,7 @@ Plane plane_of(const Collider& c, const Vec3& origin) {
   return {n, std::get<HalfSpace>(c.def.shape).offset + n.dot(c.position - origin)};
 }
 
-/// The probe against a plane, as it stands.
+/// The probe against a plane, at rest.
 SurfaceHit above_plane(const Plane& plane, const ConvexCore& probe) {
   const Vec3 lowest = probe.support(-plane.normal) - probe.radius * plane.normal;
   const double gap = -probe.reach(-plane.normal) - probe.radius - plane.offset;
@@ -137,10 +137,10 @@ bool ray_mesh(const Collider& c, const Vec3& origin, const Vec3& direction, doub
   });
 }
 
-/// Whether a closed mesh holds the point: the first face that a ray from it meets shows its back.
+/// Whether a closed mesh contains the point: the first face on a ray from it shows its back.
 bool inside_mesh(const Collider& c, const Vec3& point, const Vec3& origin) {
   if (!mesh_of(c).closed()) return false;
-  const Vec3 direction = Vec3(0.5377, 0.3141, 0.7824).normalized();  // along no likely edge
+  const Vec3 direction = Vec3(0.5377, 0.3141, 0.7824).normalized();  // parallel to no likely edge
   SurfaceHit hit;
   const double far = 2.0 * c.reach + (point + origin - c.position).norm();
   if (!ray_mesh(c, origin + point, direction, far, MeshSides::Both, hit)) return false;
@@ -224,7 +224,7 @@ bool cast_collider(const Collider& c, const ConvexCore& probe, const Vec3& origi
         t != TriangleMesh::kNone && sides == MeshSides::Front && direction.dot(piece.front) >= 0.0;
     double travel = 0.0;
     Proximity at;
-    // A back stops nothing, but what overlaps it at the start does so from either side.
+    // Backs stop nothing, but an overlap at the start counts from either side.
     if (!cast_core(probe, piece, direction, back ? 0.0 : best, travel, at)) return;
     if (back && !(at.gap < 0.0)) return;
     const SurfaceHit hit = seen(at, probe, piece, t, sides);

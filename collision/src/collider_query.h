@@ -7,15 +7,15 @@
 
 namespace tandem::collision {
 
-// What rays and convex probes find on one collider as it is placed now. All positions are relative
-// to `origin` (world), which the caller puts near the query, so that no digits are lost far out.
-// Nothing here allocates. A new kind of shape needs a case in ray_collider() and in the walk over
-// pieces (collider_query.cpp), no more.
+// Rays and convex probes against one collider at its current pose. All positions are relative to
+// `origin` (world), which the caller puts near the query to keep precision far out. Nothing here
+// allocates. A new kind of shape needs a case in ray_collider() and in the walk over pieces
+// (collider_query.cpp).
 
-/// A place on a collider's surface.
+/// A point on a collider's surface.
 struct SurfaceHit {
-  double distance = 0.0;         ///< m: travelled until it is met; of nearest(): the gap
-  double depth = 0.0;            ///< m, > 0 where the query began inside
+  double distance = 0.0;         ///< m: travelled until the hit; for nearest(): the gap
+  double depth = 0.0;            ///< m, > 0 if the query began inside
   Vec3 normal = Vec3::UnitZ();   ///< unit, out of the collider
   Vec3 point = Vec3::Zero();     ///< m, on the collider
   Vec3 on_probe = Vec3::Zero();  ///< m
@@ -27,18 +27,18 @@ enum class MeshSides : std::uint8_t { Front, Both };
 
 /// The ray from `origin`.
 /// @param direction  unit     @param limit  m
-/// @return whether it meets the collider within the limit; it does where it starts in a solid
+/// @return whether it hits the collider within the limit; true if it starts in a solid
 bool ray_collider(const Collider& collider, const Vec3& origin, const Vec3& direction, double limit,
                   MeshSides sides, SurfaceHit& out);
 
-/// The probe moves along `direction` (unit) by at most `limit` (m).
+/// Moves the probe along `direction` (unit) by at most `limit` (m).
 bool cast_collider(const Collider& collider, const ConvexCore& probe, const Vec3& origin,
                    const Vec3& direction, double limit, MeshSides sides, SurfaceHit& out);
 
-/// Whether the two share a point; the inside of a closed mesh belongs to it.
+/// Whether the two share a point; the inside of a closed mesh counts.
 bool overlaps_collider(const Collider& collider, const ConvexCore& probe, const Vec3& origin);
 
-/// Nearest place within `limit` (m) of the probe; a mesh is its surface.
+/// Nearest point within `limit` (m) of the probe; a mesh counts as its surface.
 bool nearest_on_collider(const Collider& collider, const ConvexCore& probe, const Vec3& origin,
                          double limit, SurfaceHit& out);
 

@@ -42,7 +42,7 @@ MassProperties mass_properties(std::span<const CompoundPart> parts) {
     all.com += p.mass * p.com;
     placed.push_back(p);
   }
-  // Of parts that each are within the rules the sum may be beyond them.
+  // Each part is valid, but their sum may not be.
   if (!(all.mass > 0.0) || !std::isfinite(all.mass)) {
     pbd::detail::refuse("mass_properties: mass of all parts", "finite and > 0", all.mass);
   }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t kMagic = 0x31564554;  // "TEV1"
 
-/// What is in `now` and not in `before`, and the other way round; all ascending.
+/// Differences between `before` and `now`; all ascending.
 template <class Pair>
 void compare(const std::vector<Pair>& before, const std::vector<Pair>& now,
              std::vector<Pair>& begun, std::vector<Pair>& ended) {
@@ -132,7 +132,7 @@ class __attribute__((visibility("hidden"))) ContactEvents::Impl {
   Sensors sensors;
 
  private:
-  /// The pair of the reading, if its colliders are still those of the step.
+  /// The pair of the reading, if its colliders are those of the step.
   static bool name_pair(const CollisionScene& scene, const ContactReading& reading,
                         ContactPair& pair) {
     pair.a = scene.collider_at(reading.low());
@@ -157,7 +157,7 @@ class __attribute__((visibility("hidden"))) ContactEvents::Impl {
     if (!name_pair(scene, reading, pair)) return;
     const ManifoldGap nearest = gap_of(*reading.manifold, world);
     if (!touches(reading, nearest.gap, pair)) return;
-    // The manifolds of one pair come one after the other.
+    // The manifolds of one pair are consecutive.
     if (touching.empty() || touching.back() != pair) touching.push_back(pair);
     if (hits.empty() || hits.back().pair != pair) hits.push_back({.pair = pair});
     ContactHit& hit = hits.back();
@@ -209,7 +209,7 @@ void ContactEvents::load(pbd::ByteReader& in) {
     return;
   }
   impl_->forget();
-  if (!in.failed()) in.bytes(in.remaining() + 1);  // the reader keeps the failure for its owner
+  if (!in.failed()) in.bytes(in.remaining() + 1);  // sets the failure that the owner checks
 }
 
 }  // namespace tandem::collision

@@ -15,13 +15,13 @@
 
 namespace tandem::collision {
 
-/// A manifold as it is kept between steps: fixed in the frames of the two bodies. a and b are in
-/// the order of the query (kinds ascending), not of the colliders' indices.
+/// A manifold as stored between steps, fixed in the frames of the two bodies. a and b are in the
+/// order of the query (kinds ascending), not of the colliders' indices.
 struct ContactPatch {
   static constexpr int kMaxPoints = pbd::Manifold::kMaxPoints;
 
   ContactPatch* next = nullptr;    ///< the pair's patch with the next higher cluster
-  Vec3 normal_l = Vec3::UnitZ();   ///< from a to b, in the frame of the body that `in_a` names
+  Vec3 normal_l = Vec3::UnitZ();   ///< from a to b, in the frame of a if `in_a`, else of b
   double radius_a = 0.0;           ///< m
   double radius_b = 0.0;           ///< m
   std::array<Vec3, 4> anchor_a_l;  ///< m, frame of body a
@@ -33,8 +33,8 @@ struct ContactPatch {
   bool in_a = false;
 };
 
-/// Memory for patches, handed out one by one and taken back: a contact that comes and goes
-/// allocates nothing. Which memory a pair gets says nothing about results.
+/// Pool of patches, so that contacts that come and go do not allocate. Results do not depend on
+/// which memory a pair gets.
 /// @par Thread safety  take() and give() may be called from several threads.
 class PatchPool {
  public:
@@ -46,7 +46,7 @@ class PatchPool {
     patch->next = nullptr;
     return patch;
   }
-  /// Take back a whole list.
+  /// Takes back a whole list.
   void give(ContactPatch* first) {
     if (first == nullptr) return;
     ContactPatch* last = first;
@@ -72,8 +72,8 @@ class PatchPool {
   std::vector<std::unique_ptr<ContactPatch[]>> chunks_;
 };
 
-/// Triangles that a pair's convex part may meet while it stays within a box. A memory of a search
-/// only: what is found does not depend on it.
+/// Triangles that a pair's convex part may meet while it stays within a box. A cache of the search:
+/// results do not depend on it.
 struct TriangleList {
   bool filled = false;
   Vec3 min = Vec3::Zero();  ///< m, mesh frame
@@ -81,19 +81,19 @@ struct TriangleList {
   std::vector<std::uint32_t> triangles;
 };
 
-/// What is known of one pair of colliders. Kept small: a heap has ten of them for each body.
+/// Cached data of a pair of colliders. Kept small: a heap has ten per body.
 struct alignas(64) PairCache {
-  /// No face and no pair of edges of two boxes.
+  /// Neither a face nor a pair of edges of two boxes.
   static constexpr std::uint8_t kNoAxis = 0xff;
 
   ContactPatch* patches = nullptr;          ///< ascending clusters
   std::unique_ptr<TriangleList> triangles;  ///< of a mesh or height field
   /// Pose of the measured body (see measures_a()) in the frame of the other one at the last query.
   Vec3 position = Vec3::Zero();
-  std::array<float, 4> orientation{};  ///< x, y, z, w; only told apart by more than its digits
-  float margin = 0.0f;                 ///< m: surfaces further apart than this were left out
+  std::array<float, 4> orientation{};  ///< x, y, z, w; single precision suffices
+  float margin = 0.0f;                 ///< m: surfaces further apart than this were not searched
   bool valid = false;
-  std::uint8_t axis = kNoAxis;  ///< of two boxes: the one that the last query ended with
+  std::uint8_t axis = kNoAxis;  ///< of two boxes: result of the last query
 };
 
 }  // namespace tandem::collision

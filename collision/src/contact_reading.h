@@ -10,12 +10,12 @@
 
 namespace tandem::collision {
 
-/// What events want to know of one contact of the last step.
+/// One contact of the last step, as events see it.
 struct ContactReading {
   const pbd::Manifold* manifold = nullptr;
   bool loaded = false;          ///< carried a load in the step
-  double approach_speed = 0.0;  ///< m/s, fastest that was stopped
-  double impulse = 0.0;         ///< N s, sum of the normals over the step
+  double approach_speed = 0.0;  ///< m/s, fastest approach that was stopped
+  double impulse = 0.0;         ///< N s, sum over normals and substeps
 
   std::uint32_t low() const {
     return static_cast<std::uint32_t>(manifold->key >> (kIndexBits + kClusterBits));
@@ -26,7 +26,7 @@ struct ContactReading {
   }
 };
 
-/// Calls visit(ContactReading) by ascending key. The only place that knows how pbd keeps contacts.
+/// Calls visit(ContactReading) by ascending key. The only code that knows how pbd stores contacts.
 void read_contacts(const pbd::ContactBlock& block, auto&& visit) {
   for (const pbd::Contact& contact : block.contacts()) {
     visit(ContactReading{&contact.manifold, contact.loaded() || contact.impulse > 0.0,
@@ -34,7 +34,7 @@ void read_contacts(const pbd::ContactBlock& block, auto&& visit) {
   }
 }
 
-/// Gap of a manifold's nearest point as the bodies stand, m, and where that is.
+/// Gap of a manifold's nearest point at the current poses, m, and its position.
 struct ManifoldGap {
   double gap = HUGE_VAL;
   pbd::Vec3 point = pbd::Vec3::Zero();  ///< m, world, half-way between the surfaces

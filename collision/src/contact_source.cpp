@@ -21,7 +21,7 @@
 namespace tandem::collision {
 namespace {
 
-/// Colliders that one worker takes at a time.
+/// Colliders per chunk of a worker.
 constexpr std::size_t kColliderGrain = 128;
 constexpr std::uint32_t kCacheMagic = 0x35434354;  // "TCC5"
 
@@ -46,27 +46,27 @@ bool CollisionOptions::validate(std::string* error) const {
          in("recycle_angle", recycle_angle, 0.0, 0.2);
 }
 
-/// What a copy takes over as it is.
+/// State that a copy takes over as it is.
 struct __attribute__((visibility("hidden"))) SceneState {
   CollisionOptions options;
   CollisionStats stats;
   std::vector<Collider> colliders;
-  pbd::ByBody by_body;  ///< colliders
+  pbd::ByBody by_body;  ///< index of colliders
   std::vector<std::uint32_t> free;
   WatchedColliders watched;
   std::size_t sensor_count = 0;
   pbd::ChangeCount changes;
-  std::uint64_t collected = 0;  ///< what that was in the last collect()
+  std::uint64_t collected = 0;  ///< its value in the last collect()
   std::uint64_t added = 0;
   std::int32_t next_group = std::numeric_limits<std::int32_t>::min();
   bool order_is_old = true;
   bool natural_order = true;
-  /// What is known was loaded, in the order of the world that comes with it.
+  /// The state was loaded, in the order of the world that comes with it.
   bool restored = false;
   std::uint64_t sleepers_moved = 0;  ///< see World::sleepers_moved()
 };
 
-/// The colliders of a scene, and what finds pairs, contacts and tunnelling among them.
+/// The colliders of a scene, and the stages that find pairs, contacts and tunnelling.
 class __attribute__((visibility("hidden"))) CollisionScene::Impl : public SceneState {
  public:
   bool contains(ColliderId id) const {
@@ -102,7 +102,7 @@ void CollisionScene::Impl::update_order(const pbd::World& world) {
   const pbd::BodyOrder order = world.order();
   if (!order_is_old && natural_order == order.natural()) return;
   order_is_old = false;
-  // Two colliders change places only here, and then no cache says which of them was the first.
+  // Only here colliders change places; a cache does not store which of two was the first.
   if (natural_order != order.natural() && !restored) {
     broad.reset();
     watched.forget();
@@ -148,7 +148,7 @@ void CollisionScene::reserve(std::size_t colliders) { impl_->colliders.reserve(c
 ColliderId CollisionScene::add(const pbd::World& world, const ColliderDef& def) {
   Impl& m = *impl_;
   check_def(world, def);
-  Collider made = make_collider(def, m.options);  // the def may be that of a collider here
+  Collider made = make_collider(def, m.options);  // the def may belong to a collider of this scene
   std::uint32_t index = 0;
   if (m.free.empty()) {
     index = static_cast<std::uint32_t>(m.colliders.size());
@@ -284,7 +284,7 @@ void CollisionScene::collect(const pbd::World& world, double dt, pbd::Workers& w
   m.broad.update(m.colliders, watched, dt, workers);
   MotionLimiter::guard(m.colliders, m.broad.found());
   m.contacts.grow(m.broad.cache_slots());
-  // Before there is anything to be copied, or to be there twice.
+  // Grown while empty: there is nothing to copy.
   const std::size_t expected = first + m.stats.manifolds + m.stats.manifolds / 16;
   if (expected > out.capacity() && first == 0) out = {};
   if (expected > out.capacity()) out.reserve(2 * expected);
@@ -417,8 +417,8 @@ bool CollisionScene::assign(const pbd::ContactSource& source) {
   Impl& m = *impl_;
   const std::int32_t next_group = std::max(m.next_group, other->impl_->next_group);
   static_cast<SceneState&>(m) = *other->impl_;
-  m.next_group = next_group;           // who was given one may still have it
-  m.free.reserve(m.colliders.size());  // as add() does: removal needs no memory
+  m.next_group = next_group;           // groups given out before stay taken
+  m.free.reserve(m.colliders.size());  // as in add(): removal must not allocate
   m.broad.assign(other->impl_->broad);
   m.contacts.assign(other->impl_->contacts);
   return true;

@@ -9,12 +9,12 @@
 namespace tandem::collision {
 namespace {
 
-/// Number of the box edge along `axis` where the other two coordinates have these signs.
+/// Index of the box edge along `axis` where the other two coordinates have these signs.
 std::uint32_t box_edge_id(int axis, bool next_positive, bool last_positive) {
   return static_cast<std::uint32_t>(axis * 4 + (next_positive ? 1 : 0) + (last_positive ? 2 : 0));
 }
 
-/// Corner of a box; bit i of `bits` is set where coordinate i is positive. The bits are its id.
+/// Corner of a box; bit i of `bits` is set if coordinate i is positive. The bits are its id.
 Vec3 box_corner(const ConvexCore& core, std::uint32_t bits) {
   Vec3 p = core.centre;
   for (int i = 0; i < 3; ++i) {
@@ -51,7 +51,7 @@ CoreFace box_face(const ConvexCore& core, const Vec3& direction) {
   for (int i = 0; i < 4; ++i) {
     const auto& from = signs[i];
     const auto& to = signs[(i + 1) % 4];
-    // Along u the sign of v stays and vice versa; box_edge_id wants (axis + 1, axis + 2).
+    // Along u the sign of v is constant and vice versa; box_edge_id needs (axis + 1, axis + 2).
     face.edge_ids[i] =
         from[1] == to[1] ? box_edge_id(u, from[1], positive) : box_edge_id(v, positive, from[0]);
   }
@@ -88,8 +88,8 @@ CoreEdge triangle_edge(const ConvexCore& core, const Vec3& direction) {
 /// Cosine to its axis above which a cylinder touches with a cap.
 constexpr double kCap = 0.7;
 
-/// Unit vector from the axis of a cylinder or cone, across it, furthest along `direction`; a fixed
-/// one where it runs along the axis.
+/// Unit vector perpendicular to the axis of a cylinder or cone, furthest along `direction`; a fixed
+/// one if the direction is parallel to the axis.
 Vec3 radial(const ConvexCore& core, const Vec3& direction) {
   const Vec3 axis = core.axes.col(2);
   const Vec3 across = direction - direction.dot(axis) * axis;
@@ -110,7 +110,7 @@ constexpr double kTilted = 0.02;
 CoreFace cap(const ConvexCore& core, bool upper, const Vec3& direction) {
   CoreFace face;
   face.count = CoreFace::kMaxCorners;
-  // The twelve directions of a clock; the same corners whichever way round.
+  // Twelve directions like a clock's; the same corners in either orientation.
   static constexpr double kH = 0.86602540378443864676;  // sqrt(3) / 2
   static constexpr std::array<std::array<double, 2>, CoreFace::kMaxCorners> kClock{{{1, 0},
                                                                                     {kH, 0.5},
@@ -144,15 +144,15 @@ CoreFace cap(const ConvexCore& core, bool upper, const Vec3& direction) {
   return face;
 }
 
-/// The line on the side of a cylinder or cone that lies furthest along the direction, or a point
-/// (an edge without length) where it touches with its rim or apex.
+/// The line on the side of a cylinder or cone that is furthest along the direction, or a point (an
+/// edge without length) if it touches with its rim or apex.
 CoreEdge side_edge(const ConvexCore& core, const Vec3& direction) {
   const Vec3 out = core.half[0] * radial(core, direction);
   const Vec3 arm = core.half[2] * core.axes.col(2);
   const bool cone = core.kind == CoreKind::Cone;
   const Vec3 low = core.centre - arm + out;
   const Vec3 high = cone ? Vec3(core.centre + arm) : Vec3(core.centre + arm + out);
-  // Ids beyond those of the caps: the line, and its two ends.
+  // Ids after those of the caps: the line, and its two ends.
   CoreEdge edge{low, high, 24, 24, 25};
   const Vec3 line = high - low;
   const double slope = direction.dot(line) / (direction.norm() * line.norm());
@@ -175,8 +175,8 @@ std::size_t hull_face_towards(const ConvexCore& core, const Vec3& direction) {
   return best;
 }
 
-/// Of more corners than there is room for some, evenly, the foremost along the direction among
-/// them.
+/// If a face has too many corners, an even selection that includes the foremost along the
+/// direction.
 CoreFace hull_face(const ConvexCore& core, std::size_t number, const Vec3& direction) {
   const ConvexHull::Face& chosen = core.hull->faces()[number];
   const auto corners = core.hull->face_corners(chosen);
@@ -220,7 +220,7 @@ std::uint32_t hull_corner(const ConvexCore& core, const Vec3& local) {
   return best;
 }
 
-/// Of the faces at the foremost corner the one towards the direction; `first` where it is one.
+/// The face at the foremost corner nearest to the direction; `first` if it is one of them.
 std::size_t hull_face_at_corner(const ConvexCore& core, const Vec3& direction, std::size_t first) {
   const Vec3 local = core.axes.transpose() * direction;
   const auto faces = core.hull->faces();
@@ -241,7 +241,7 @@ std::size_t hull_face_at_corner(const ConvexCore& core, const Vec3& direction, s
 CoreEdge hull_edge(const ConvexCore& core, const Vec3& direction) {
   const Vec3 local = core.axes.transpose() * direction;
   const auto arms = core.hull->arms();
-  // Of the edges at the foremost corner the one that falls off least.
+  // The edge at the foremost corner that falls off least.
   double least = HUGE_VAL;
   std::uint32_t best = 0;
   for (const std::uint32_t e : core.hull->star(hull_corner(core, local))) {

@@ -15,13 +15,13 @@ namespace {
 using pbd::Mat3;
 using pbd::Vec3;
 
-/// Share of the extent: faces whose corners lie this near to one plane are one face. It is a few
+/// Share of the extent: faces whose corners are this near to one plane are merged. It is a few
 /// steps of quickhull()'s grid.
 constexpr double kCoplanar = 3e-6;
-/// Share of the extent: as thick are plates that are made of flat hulls.
+/// Share of the extent: thickness of plates made of flat hulls.
 constexpr double kPlate = 1e-3;
 
-/// In no face yet.
+/// No face yet.
 constexpr std::uint32_t kFree = 0xffffffffu;
 
 /// The triangle across a directed edge.
@@ -35,7 +35,7 @@ std::uint32_t across(const std::vector<HullTriangle>& triangles, std::uint32_t f
   pbd::detail::refuse("ConvexHull: corners", "further apart than round-off");
 }
 
-/// Triangles by area: the planes of large ones are the best.
+/// Triangles by descending area: the planes of large ones are the most precise.
 std::vector<std::uint32_t> largest_first(std::span<const Vec3> points,
                                          const std::vector<HullTriangle>& triangles) {
   std::vector<std::uint32_t> order(triangles.size());
@@ -50,8 +50,7 @@ std::vector<std::uint32_t> largest_first(std::span<const Vec3> points,
   return order;
 }
 
-/// Appends the corners of face `number`, which has the triangles `members`, in their order around
-/// it.
+/// Appends the corners of face `number`, made of the triangles `members`, in order around it.
 void append_border(const std::vector<HullTriangle>& triangles,
                    const std::vector<std::uint32_t>& members,
                    const std::vector<std::uint32_t>& owner, std::uint32_t number,
@@ -138,7 +137,7 @@ ConvexHull::Simplified ConvexHull::simplify(std::span<const Vec3> points, double
 }
 
 ConvexHull::Simplified ConvexHull::settled(std::vector<Vec3> corners, double tolerance, bool cut) {
-  // Of its own corners a hull is the same whatever was left out: in that the second one differs.
+  // A hull of its own corners no longer depends on omitted points; the first hull did.
   double error = 0.0;
   for (;;) {
     const std::shared_ptr<ConvexHull> hull(new ConvexHull);
@@ -152,7 +151,7 @@ ConvexHull::Simplified ConvexHull::settled(std::vector<Vec3> corners, double tol
 double ConvexHull::build(std::span<const Vec3> points, bool cut) {
   bounds_ = bounds_of(points);
   const double extent = extent_of(bounds_);
-  // About the middle, so that no digits are lost where the points are far from the origin.
+  // Relative to the middle, to keep precision for points far from the origin.
   centre_ = 0.5 * (bounds_.min + bounds_.max);
   std::vector<Vec3> local;
   for (const Vec3& p : points) local.push_back(p - centre_);

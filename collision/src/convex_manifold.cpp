@@ -15,7 +15,7 @@ namespace tandem::collision {
 namespace {
 
 constexpr double kRoundTolerance = 1e-9;  // m
-/// Cosine above which the library's direction is a face normal and not merely near to one.
+/// Cosine above which the library's direction is a face normal, not merely near to one.
 constexpr double kSameDirection = 1.0 - 1e-9;
 /// Sine below which two edges have no common normal.
 constexpr double kMinCross = 1e-4;
@@ -27,8 +27,8 @@ struct Candidates {
   ContactAxis best_other;
   bool has_face = false;
   bool has_other = false;
-  /// Where the middle of one lies outside of the other, a thin box: the way from a to b there. What
-  /// leads to the other side of the wall is no way out.
+  /// If the centre of one is outside the other, a thin box: the direction from a to b there. A
+  /// direction to the other side of the wall is no way out.
   std::array<Vec3, 2> side;
   int sides = 0;
 
@@ -61,23 +61,23 @@ struct Candidates {
     best_other = {n, s, FaceOwner::None};
     has_other = true;
   }
-  /// All face normals of a: of b the other way round.
+  /// Tries all face normals of a, or of b with opposite sign.
   void faces_of(const ConvexCore& core, FaceOwner owner, double bias) {
     const double sign = owner == FaceOwner::A ? 1.0 : -1.0;
     if (core.kind != CoreKind::Box) {
       for (int i = 0; i < face_count(core); ++i) face(sign * face_normal(core, i), owner, bias);
       return;
     }
-    // Both signs: with deep overlap the centres do not tell.
+    // Both signs: with deep overlap the centres are no guide.
     for (int i = 0; i < 3; ++i) {
-      // Towards b first, which then wins a tie.
+      // Towards b first, which wins a tie.
       const Vec3 n = core.axes.col(i);
       const double towards = n.dot(b.centre - a.centre) < 0.0 ? -1.0 : 1.0;
       face(towards * n, owner, bias);
       face(-towards * n, owner, bias);
     }
   }
-  /// Puts the best face of one in the place of the other's where it is about as good.
+  /// Takes the best face of `owner` instead of the other's if it is about as good.
   void prefer_faces_of(FaceOwner owner) {
     if (!has_face || best_face.owner == owner) return;
     const ContactAxis other = std::exchange(best_face, {});
@@ -97,12 +97,12 @@ struct Candidates {
   }
 };
 
-/// More products of edges than this are not searched where there is a hint.
+/// More edge products than this are not searched if there is a hint.
 constexpr int kManyEdges = 64;
 
-/// Climb from a direction to the best one nearby. Steps are halved until they are 1e-6 rad; they
-/// are tried down the slope of the two foremost points first, then around, turned a little each
-/// time, because the separation has ridges.
+/// Climbs from a direction to a local optimum. Steps are halved down to 1e-6 rad. They are tried
+/// first down the slope of the two foremost points, then around, with an offset each time, because
+/// the separation has ridges.
 Vec3 hill_climb(const ConvexCore& a, const ConvexCore& b, Vec3 n, double step) {
   constexpr double kTurn = 0.61;  // rad
   double best = separation(a, b, n);
@@ -133,7 +133,7 @@ Vec3 hill_climb(const ConvexCore& a, const ConvexCore& b, Vec3 n, double step) {
   return n;
 }
 
-/// Climb from the best of directions all around.
+/// Climbs from the best of directions all around.
 void sample_sphere(Candidates& c) {
   constexpr int kCount = 64;
   constexpr int kClimbs = 4;
@@ -146,7 +146,7 @@ void sample_sphere(Candidates& c) {
     const Vec3 n(r * turn.cos, r * turn.sin, z);
     tried[i] = {separation(c.a, c.b, n), n};
   }
-  // Of equal ones the upper one: libraries differ in which they leave first.
+  // The upper one of equals: standard libraries differ in their order.
   std::partial_sort(tried.begin(), tried.begin() + kClimbs, tried.end(),
                     [](const auto& l, const auto& r) {
                       return std::pair(l.first, l.second.z()) > std::pair(r.first, r.second.z());
@@ -154,7 +154,7 @@ void sample_sphere(Candidates& c) {
   for (int i = 0; i < kClimbs; ++i) c.other(hill_climb(c.a, c.b, tried[i].second, 0.2), 0.0);
 }
 
-/// Where the cores overlap: products of edges, and the neighbourhood of what is known.
+/// For overlapping cores: searches edge products, and the neighbourhood of known directions.
 void search(Candidates& c, const Vec3* hint, double tie) {
   const ConvexCore& a = c.a;
   const ConvexCore& b = c.b;
@@ -174,7 +174,7 @@ void search(Candidates& c, const Vec3* hint, double tie) {
     }
   }
   if (curved) {
-    // Across each curved side towards the other shape, and between the two centres.
+    // Perpendicular to each curved side towards the other shape, and between the centres.
     for (const ConvexCore* core : {&a, &b}) {
       if (!core->curved()) continue;
       const Vec3 axis = core->axes.col(2);
@@ -196,9 +196,9 @@ void search(Candidates& c, const Vec3* hint, double tie) {
   }
 }
 
-/// Whether boxes that are apart along n will touch there: not where, by the time they meet, they
-/// still pass by each other along one of their faces, as a box does that slides from one tile of
-/// a floor to the next one of equal height.
+/// Whether boxes that are apart along n will touch there. False if they still pass by each other
+/// along one of their faces when they meet, like a box sliding from one tile of a floor to the next
+/// of equal height.
 bool will_meet(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis,
                const Reach& reach) {
   const double closing = -axis.normal.dot(reach.sweep);
@@ -206,7 +206,7 @@ bool will_meet(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis
   const double slop = kPassBy * std::min(a.size, b.size);
   for (const ConvexCore* core : {&a, &b}) {
     for (int i = 0; i < 3; ++i) {
-      Vec3 n = core->axes.col(i);  // from a to b: the other way they are not apart
+      Vec3 n = core->axes.col(i);  // from a to b: with the opposite sign they are not apart
       if (n.dot(b.centre - a.centre) < 0.0) n = -n;
       if (n.dot(axis.normal) > kAcross) continue;
       const double now = separation(a, b, n);
@@ -217,7 +217,7 @@ bool will_meet(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis
   return true;
 }
 
-/// Contact at the features that lie furthest along the normal, no face among them.
+/// Contact at the features furthest along the normal, none of them a face.
 void edge_contact(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis,
                   const Reach& reach, RawManifold& out) {
   const double radii = a.radius + b.radius;
@@ -226,7 +226,7 @@ void edge_contact(const ConvexCore& a, const ConvexCore& b, const ContactAxis& a
   const int count = edge_points(edge_towards(a, n), edge_towards(b, -n), n, radii, points);
   const double size = std::min(a.size, b.size);
   const double true_gap = axis.separation - radii;
-  // The edges chosen may not be those that touch (a corner has several): then the furthest points.
+  // The chosen edges may not be those that touch (a corner has several): use the furthest points.
   if (count == 1 && points[0].gap > true_gap + 0.01 * size) {
     points[0].on_b = b.support(-n);
     points[0].on_a = points[0].on_b - axis.separation * n;
@@ -256,7 +256,7 @@ ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Directio
   c.faces_of(b, FaceOwner::B, tie);
   if (b.kind == CoreKind::Triangle) c.face(-b.front, FaceOwner::B, tie);
   if (ground != FaceOwner::None) c.prefer_faces_of(ground);
-  // Where the cores overlap no direction is better than 0, and a face this near to it is taken.
+  // For overlapping cores no direction is better than 0, and a face this near to it is taken.
   const bool shallow = !known && !round && c.has_face &&
                        c.best_face.separation >= -kFaceSize * std::min(a.size, b.size);
   if (shallow) return c.best_face;
@@ -272,7 +272,7 @@ ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Directio
   }
   if (!c.has_face) {
     if (c.has_other) return c.best_other;
-    // Two points or segments in one place: any direction across them.
+    // Two points or segments in one place: any perpendicular direction.
     const Vec3 across = a.kind == CoreKind::Segment   ? Vec3(a.axes.col(0))
                         : b.kind == CoreKind::Segment ? Vec3(b.axes.col(0))
                                                       : Vec3::UnitZ();
@@ -283,7 +283,7 @@ ContactAxis choose_axis(const ConvexCore& a, const ConvexCore& b, const Directio
   const double tolerance =
       round ? kRoundTolerance
             : kFaceShare * std::max(0.0, -best) + kFaceSize * std::min(a.size, b.size);
-  // Where the library names a face itself, its choice among near-equal faces stands.
+  // If the library names a face itself, its choice among near-equal faces stands.
   if (known && !round) {
     ContactAxis named = c.best_face;
     double alignment = kSameDirection;
@@ -345,7 +345,7 @@ RawManifold half_space_manifold(const ConvexCore& a, const Vec3& normal, double 
     }
   };
   if (a.kind == CoreKind::Box) {
-    // The four lowest corners; on a face these are the face's, on an edge the other two are far.
+    // The four lowest corners: of a face all of them; of an edge two are far away.
     std::array<RawPoint, 8> corners;
     for (std::uint32_t bits = 0; bits < 8; ++bits) {
       Vec3 p = a.centre;

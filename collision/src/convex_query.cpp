@@ -27,8 +27,8 @@ void reduce_like_before(RawManifold& manifold, double size, const Vec3& weight,
   manifold.count = count;
 }
 
-/// Whether the library's direction is better than that of BoxPair: not where the boxes pass each
-/// other in the one, as they do not meet in the other then.
+/// Whether the library's direction is better than BoxPair's. False if the boxes pass each other in
+/// the one, as they then do not meet in the other.
 bool is_better(const ContactAxis& found, const ContactAxis& now, const Reach& reach, double size) {
   const bool face = now.owner != FaceOwner::None;
   const double tolerance = kFaceShare * std::max(0.0, -found.separation) + kFaceSize * size;
@@ -39,9 +39,9 @@ bool is_better(const ContactAxis& found, const ContactAxis& now, const Reach& re
          !(closes(found) && !closes(now));
 }
 
-/// Boxes by the directions of BoxPair. A pair without contacts is new to it, and the library
-/// decides which way it lies; unless a face keeps them apart as well (nearly) as that does.
-/// @return how far b has been moved for that, m
+/// Boxes by the directions of BoxPair. For a pair without old contacts the library decides the
+/// direction, unless a face separates (nearly) as well.
+/// @return displacement of b for that, m
 Vec3 query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, RawManifold& out) {
   const Collider& a = *pair.a;
   const Collider& b = *pair.b;
@@ -99,7 +99,7 @@ Vec3 query_boxes(const QueryPair& pair, const Reach& reach, PairCache& cache, Ra
   return moved;
 }
 
-/// Any two convex shapes. @return how far b has been moved for that, m
+/// Any two convex shapes. @return displacement of b for that, m
 Vec3 query_cores(const QueryPair& pair, const Reach& reach, const PairCache& cache,
                  std::size_t& queries, RawManifold& out) {
   const Vec3& origin = pair.a->position;

@@ -6,8 +6,8 @@
 
 namespace tandem::collision {
 
-/// Contact of two convex colliders, or of a convex one with a half-space as b, as it will be where
-/// they meet; positions relative to the place of a, and where the two are now.
+/// Contact of two convex colliders, or of a convex one with a half-space b, as it will be when they
+/// meet; positions relative to a, at the current poses.
 /// @return number of narrow-phase queries
 std::size_t query_convex(const QueryPair& pair, const Reach& reach, PairCache& cache,
                          RawManifold& out);

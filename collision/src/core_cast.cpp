@@ -11,10 +11,11 @@ namespace tandem::collision {
 namespace {
 
 constexpr int kMaxSteps = 32;
-/// Share by which triangles are larger than they are, so that a path through an edge hits one.
+/// Share by which triangles are enlarged, so that a path through an edge hits one.
 constexpr double kSeam = 1e-6;
 
-/// Share of the way at which a plane that is `start` away, and `end` at the end, is `radius` away.
+/// Share of the path at which a plane at distance `start` first, and `end` at the end, is `radius`
+/// away.
 double stop_before(double start, double end, double radius) {
   return std::max(0.0, (start - std::min(radius, 0.5 * start)) / (start - end));
 }
@@ -40,7 +41,7 @@ CoreHit cast_on_convex(const Vec3& from, const Vec3& path, double radius, const 
   return {t, normal};
 }
 
-/// Between the planes of all faces.
+/// Clips the path to the planes of all faces.
 CoreHit cast_on_hull(const Vec3& from, const Vec3& path, double radius, const ConvexHull& hull) {
   double enter = -1.0;
   double leave = 1.0;

@@ -10,11 +10,11 @@
 namespace tandem::collision {
 namespace {
 
-/// Faces whose cosines differ by less look alike along a normal.
+/// Faces whose cosines differ by less than this are equally near to a normal.
 constexpr double kTie = 1e-9;
 
-/// The face of either box that looks nearly along the normal of an edge contact, of a where both do
-/// alike; FaceOwner::None where there is none.
+/// The face of either box nearly along the normal of an edge contact; a's face if both are equally
+/// near; FaceOwner::None if there is none.
 ContactAxis face_alongside(const ConvexCore& a, const ConvexCore& b, const Vec3& n) {
   ContactAxis best;
   double cosine = kAlongside;

@@ -6,12 +6,12 @@
 
 namespace tandem::collision {
 
-/// Points on the axis' face as the reference, appended.
+/// Appends points on the axis' face as the reference.
 void face_contact(const ConvexCore& a, const ConvexCore& b, const ContactAxis& axis,
                   const Reach& reach, RawManifold& out);
 
-/// Contact on a face in place of one between edges, see kAlongside. Whether it serves. Boxes only:
-/// what lies beside the face of another hull may still be in that hull.
+/// Replaces a contact between edges by one on a face, see kAlongside. Returns whether it does.
+/// Boxes only: beside a face of another hull there may still be parts of that hull.
 bool serve_by_face(const ConvexCore& a, const ConvexCore& b, const ContactAxis& edges,
                    const Reach& reach, RawManifold& out);
 

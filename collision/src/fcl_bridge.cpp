@@ -3,19 +3,18 @@
 //
 // The only file that includes FCL; compiled with EIGEN_MAX_ALIGN_BYTES=16 (see CMakeLists.txt).
 //
-// What is asked, and why (FCL 0.7.0 with libccd 2.1, measured over 20 000 seeded random poses for
-// each kind against a brute-force search over all separating axes):
+// Queries, and why (FCL 0.7.0 with libccd 2.1, measured over 20 000 seeded random poses for each
+// kind against a brute-force search over all separating axes):
 // - overlapping boxes: FCL's search over 15 axes, which prefers faces to edges that are less than
 //   5 % better. Two capsules: the distance of their axes, a closed form.
-// - everything else: distance of the cores by FCL's GJK on libccd (1 us), right where they are
-//   apart. Where the cores overlap the library is wrong and is not asked: libccd's penetration
-//   query (MPR) misses the depth by more than 1 mm in 29 to 34 % of the poses and by up to 0.57 m;
-//   FCL's signed distance (EPA) ends the process on touching features, by an assertion compiled
-//   into libfcl. The status is then Unknown, and choose_axis() searches the face normals and edge
-//   products of the two.
-// - GJK is called by its function in FCL's header and not through the solver: the solver's copy is
-//   compiled into libfcl with assertions, and those of GJK are no safer than EPA's.
-// - Spheres do not come here but for hulls: see sphere_contact.h.
+// - everything else: distance of the cores by FCL's GJK on libccd (1 us), correct if they are
+//   apart. For overlapping cores the library is wrong and not used: libccd's penetration query
+//   (MPR) misses the depth by more than 1 mm in 29 to 34 % of the poses and by up to 0.57 m; FCL's
+//   signed distance (EPA) ends the process on touching features, by an assertion compiled into
+//   libfcl. The status is then Unknown, and choose_axis() searches face normals and edge products.
+// - GJK is called by its function in FCL's header, not through the solver: the solver's copy is
+//   compiled into libfcl with assertions, and GJK's are no safer than EPA's.
+// - Spheres only come here against hulls: see sphere_contact.h.
 #include "fcl_bridge.h"
 
 #include <algorithm>
@@ -30,9 +29,9 @@ using Solver = fcl::detail::GJKSolver_libccd<double>;
 using Transform = fcl::Transform3<double>;
 using Contacts = std::vector<fcl::ContactPoint<double>>;
 
-/// Nearer cores count as touching, where GJK's direction is noise; a share of the lesser size.
+/// Share of the smaller size below which cores count as touching, as GJK's direction is noise.
 constexpr double kNearlyTouching = 1e-7;
-/// m: beyond this sizes stand for "no bound" (triangles).
+/// m: larger sizes stand for "no bound" (triangles).
 constexpr double kLargest = 1e3;
 
 Transform transform_of(const ConvexCore& core) {
@@ -55,7 +54,7 @@ Direction found(const Vec3& normal) {
   return {Direction::Status::Found, normal / norm};
 }
 
-/// FCL's normals point from the first shape to the second one, as ours.
+/// FCL's normals point from the first shape to the second, like ours.
 template <class ShapeA, class ShapeB>
 Direction intersect(const ShapeA& a, const Transform& pose_a, const ShapeB& b,
                     const Transform& pose_b) {
@@ -64,7 +63,7 @@ Direction intersect(const ShapeA& a, const Transform& pose_a, const ShapeB& b,
   return found(contacts.front().normal);
 }
 
-/// What the support function is handed: the core, brought to a size near 1, so that the library's
+/// Argument of the support function: the core, scaled to a size near 1, so that the library's
 /// absolute tolerances mean the same for a millimetre and for a hundred metres.
 struct Scaled {
   const ConvexCore* core;
@@ -79,8 +78,8 @@ void support(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* out) {
   for (int i = 0; i < 3; ++i) out->v[i] = p[i];
 }
 
-/// Distance of the cores where they are apart. FCL's GJK on our own support functions: those of
-/// FCL allocate an object for each shape and query.
+/// Distance of separated cores. FCL's GJK with our own support functions: FCL's allocate an object
+/// per shape and query.
 Direction distance(const ConvexCore& a, const ConvexCore& b, double reach) {
   const double scale = 1.0 / std::min({a.size, b.size, kLargest});
   const Scaled object_a{&a, a.centre, scale};
@@ -100,7 +99,7 @@ Direction distance(const ConvexCore& a, const ConvexCore& b, double reach) {
   if (!(gap > kNearlyTouching)) return {Direction::Status::Unknown, Vec3::UnitZ()};
   Direction direction =
       found(Vec3(on_b.v[0] - on_a.v[0], on_b.v[1] - on_a.v[1], on_b.v[2] - on_a.v[2]) / gap);
-  // Of cores that just overlap it sometimes says that they are apart.
+  // For slightly overlapping cores it sometimes reports a distance.
   if (scale * separation(a, b, direction.normal) < 0.5 * gap) {
     return {Direction::Status::Unknown, Vec3::UnitZ()};
   }
@@ -115,11 +114,11 @@ Direction ask(const ConvexCore& a, const ConvexCore& b, double margin) {
     double gap = 0.0;
     fcl::Vector3<double> on_a = Vec3::Zero();
     fcl::Vector3<double> on_b = Vec3::Zero();
-    // With radius 1 the witnesses tell the direction whether or not the axes cross.
+    // With radius 1 the witness points give the direction whether or not the axes cross.
     Solver().shapeDistance(capsule(a, 1.0), pose_a, capsule(b, 1.0), pose_b, &gap, &on_a, &on_b);
     const double axes = gap + 2.0;
     if (axes > reach) return {};
-    // on_b - on_a = (axes - 2) n, so that n is lost at exactly 2 m: ask there with other radii.
+    // on_b - on_a = (axes - 2) n, so n is lost at exactly 2 m: query with other radii there.
     if (std::abs(gap) > 0.5) return found((on_b - on_a) / gap);
     Solver().shapeDistance(capsule(a, 3.0), pose_a, capsule(b, 3.0), pose_b, &gap, &on_a, &on_b);
     return found((on_b - on_a) / gap);
@@ -136,7 +135,7 @@ Direction ask(const ConvexCore& a, const ConvexCore& b, double margin) {
 Direction query_direction(const ConvexCore& a, const ConvexCore& b, double margin) noexcept {
   try {
     return ask(a, b, margin);
-  } catch (...) {  // FCL's way to say that a configuration is too degenerate for it
+  } catch (...) {  // FCL throws for configurations that are too degenerate
     return {Direction::Status::Unknown, Vec3::UnitZ()};
   }
 }

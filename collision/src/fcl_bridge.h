@@ -11,13 +11,13 @@ struct Direction {
   enum class Status : std::uint8_t {
     Apart,    ///< further apart than asked
     Found,    ///< `normal` is set
-    Unknown,  ///< touching or overlapping, but the library has no (right) direction
+    Unknown,  ///< touching or overlapping, but the library has no (correct) direction
   };
   Status status = Status::Apart;
-  Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b: the way to push b out
+  Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b: the direction to push b out
 };
 
-/// In which direction b lies from a. The only place that knows the library's sign conventions.
+/// Direction from a to b. The only code that knows the library's sign conventions.
 /// @pre a.kind <= b.kind (the tests ask for every pair in both orders, one level up)
 /// @param margin  m, >= 0: surfaces further apart than this count as apart
 /// Allocates (the library does). Does not throw.

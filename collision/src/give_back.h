@@ -8,13 +8,13 @@
 
 namespace tandem::collision {
 
-/// Tells when lists may give memory back. The first step after colliders were added looks at all of
-/// them, and so does the second, which finds that they lie still; later steps look at a few. Once
-/// for each time that some were added: a step of a scene that stays as it is allocates nothing.
+/// Tells when lists may free memory. The first step after colliders were added looks at all of
+/// them, and so does the second, which finds that they rest; later steps look at a few. True once
+/// per addition: a step of an unchanged scene allocates nothing.
 class Beginning {
  public:
-  /// To be asked once in each step.
-  /// @param added  colliders in the life of the scene
+  /// Call once per step.
+  /// @param added  colliders added in the life of the scene
   bool is_over(std::uint64_t added) {
     if (added != added_) {
       added_ = added;
@@ -26,10 +26,10 @@ class Beginning {
  private:
   static constexpr std::uint64_t kSteps = 3;
   std::uint64_t added_ = 0;
-  std::uint64_t steps_ = kSteps;  ///< since then
+  std::uint64_t steps_ = kSteps;  ///< since the last addition
 };
 
-/// Keep memory for what is in the list, where that is little.
+/// Shrinks the list's memory if little of it is used.
 template <class T>
 void give_back(std::vector<T>& list) {
   constexpr std::size_t kKeep = 4096;

@@ -11,11 +11,11 @@ namespace tandem::collision {
 namespace {
 
 constexpr int kMaxIterations = 64;
-/// Share of the size of the difference body below which two cores touch.
+/// Share of the size of the Minkowski difference below which two cores touch.
 constexpr double kTouching = 1e-12;
-/// Relative size below which the sign of a triple product is not known.
+/// Relative size below which the sign of a triple product is uncertain.
 constexpr double kSign = 1e-13;
-/// Relative difference of upper and lower bound at which the distance is known.
+/// Relative difference of upper and lower bound at which the distance has converged.
 constexpr double kConverged = 1e-12;
 /// m, and share of the sizes: a gap that counts as closed while casting.
 constexpr double kContact = 1e-9;
@@ -42,7 +42,7 @@ struct Simplex {
   }
 };
 
-/// Weights of the nearest point to the origin; zero for corners that it does not need.
+/// Weights of the nearest point to the origin; zero for corners that are not needed.
 using Weights = std::array<double, 4>;
 
 Weights weights_on_segment(const Simplex& s, int i, int j) {
@@ -61,7 +61,7 @@ double norm2(const Simplex& s, const Weights& weights) {
   return v.squaredNorm();
 }
 
-/// Of the inside of the triangle where the origin projects into it, else of its nearest edge.
+/// Weights in the triangle if the origin projects into it, else on its nearest edge.
 Weights weights_on_triangle(const Simplex& s, int i, int j, int k) {
   const Vec3 n = (s.w[j] - s.w[i]).cross(s.w[k] - s.w[i]);
   const double n2 = n.squaredNorm();
@@ -87,7 +87,7 @@ Weights weights_on_triangle(const Simplex& s, int i, int j, int k) {
   return out;
 }
 
-/// @return false where the tetrahedron holds the origin
+/// @return false if the tetrahedron contains the origin
 bool nearest_on_tetrahedron(const Simplex& s, Weights& out) {
   static constexpr std::array<std::array<int, 4>, 4> kFaces{
       {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}}};
@@ -99,7 +99,7 @@ bool nearest_on_tetrahedron(const Simplex& s, Weights& out) {
     const Vec3 n = u.cross(v);
     const double side = n.dot(up);
     const double origin = -n.dot(s.w[i]);
-    // Where rounding may have turned a sign the face may be the nearest: a flat tetrahedron holds
+    // If rounding may have flipped a sign, the face may be the nearest: a flat tetrahedron contains
     // nothing.
     const double doubt = kSign * u.norm() * v.norm();
     const bool known =
@@ -114,7 +114,7 @@ bool nearest_on_tetrahedron(const Simplex& s, Weights& out) {
   return best < HUGE_VAL;
 }
 
-/// Keep the corners that the nearest point needs. @return false where the origin is inside
+/// Keeps the corners that the nearest point needs. @return false if the origin is inside
 bool reduce(Simplex& s) {
   Weights weights{};
   switch (s.count) {
@@ -143,8 +143,8 @@ bool reduce(Simplex& s) {
   return true;
 }
 
-/// The nearest point itself. Not as the weighted sum, which loses its direction where it is short
-/// and the simplex long and thin: across an edge or a face it is what the edges leave over.
+/// The nearest point. Not the weighted sum, which loses its direction if it is short and the
+/// simplex long and thin: it is the remainder perpendicular to an edge or face.
 Vec3 nearest_point(const Simplex& s) {
   int closest = 0;
   for (int i = 1; i < s.count; ++i) {
@@ -163,14 +163,14 @@ Vec3 nearest_point(const Simplex& s) {
   return s.blend(s.w);
 }
 
-/// Cores overlap: the direction that leads out.
+/// For overlapping cores: the direction that leads out.
 Proximity way_out(const ConvexCore& a, const ConvexCore& b) {
   const bool swapped = b.kind < a.kind;
   const ConvexCore& first = swapped ? b : a;
   const ConvexCore& second = swapped ? a : b;
   ContactAxis axis = choose_axis(first, second, {Direction::Status::Unknown, Vec3::UnitZ()});
   if (second.kind == CoreKind::Triangle) {
-    // For contacts a triangle has a front only; here it may be left on either side.
+    // For contacts a triangle has a front only; here either side may be the way out.
     const double back = separation(first, second, second.front);
     if (back > axis.separation) axis = {second.front, back, FaceOwner::B};
   }
@@ -223,7 +223,7 @@ CoreDistance core_distance(const ConvexCore& a, const ConvexCore& b) {
     const Vec3 next = nearest_point(simplex);
     const double distance = next.norm();
     if (!(distance > kTouching * size)) return {};
-    if (distance >= nearest) {  // rounding: the last one was as good as it gets
+    if (distance >= nearest) {  // rounding: the last result was the best
       simplex = grown;
       --simplex.count;
       break;
@@ -261,7 +261,7 @@ bool cast_core(ConvexCore a, const ConvexCore& b, const Vec3& direction, double 
     const CoreDistance d = core_distance(a, b);
     if (!d.apart) {
       if (i == 0) at = way_out(a, b);
-      return true;  // else what was found one step earlier, a hair before
+      return true;  // otherwise the result of the previous iteration, just before
     }
     at = with_radii(d, a, b);
     const double contact = kContact * (1.0 + d.size + radii);
@@ -270,13 +270,13 @@ bool cast_core(ConvexCore a, const ConvexCore& b, const Vec3& direction, double 
     if (closing <= 0.0) return false;
     const double room = std::max(0.0, d.least - radii);
     const bool arrived = at.gap <= contact;
-    // Stop within the tolerance, where the direction is still known.
+    // Stop within the tolerance, where the direction is still defined.
     travel += (arrived ? room : std::max(0.0, room - 0.5 * contact)) / closing;
     if (travel > limit) return false;
     if (arrived) return true;
     a.centre = start + travel * direction;
   }
-  return true;  // grazes, within rounding
+  return true;  // grazing contact, within rounding
 }
 
 }  // namespace tandem::collision

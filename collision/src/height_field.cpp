@@ -62,7 +62,7 @@ HeightField::Triangle HeightField::corners(std::uint32_t triangle) const {
 
 pbd::Vec3 HeightField::normal(std::uint32_t triangle) const {
   const Triangle t = corners(triangle);
-  // Slopes along x and y: the first triangle has its corner b beside a, the second one c above it.
+  // Slopes along x and y: the first triangle has its corner b beside a, the second has c above it.
   const double x =
       triangle % 2 == 0 ? heights_[t[1]] - heights_[t[0]] : heights_[t[1]] - heights_[t[2]];
   const double y =
@@ -86,7 +86,7 @@ std::uint32_t HeightField::neighbour(std::uint32_t triangle, int k) const {
 }
 
 std::uint32_t HeightField::edge_id(std::uint32_t triangle, int k) const {
-  // Each vertex owns the edge along x, the one along y and the diagonal that start there.
+  // Each vertex owns the edges along x and y and the diagonal that start there.
   const Triangle t = corners(triangle);
   if (triangle % 2 == 0) return k == 0 ? 3 * t[0] : k == 1 ? 3 * t[1] + 1 : 3 * t[0] + 2;
   return k == 0 ? 3 * t[0] + 2 : k == 1 ? 3 * t[2] : 3 * t[0] + 1;

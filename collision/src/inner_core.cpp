@@ -10,11 +10,11 @@
 namespace tandem::collision {
 namespace {
 
-/// Of how deep a solid is.
+/// Share of the depth of a solid.
 constexpr double kDeep = 0.5;
 
-/// The corner of each hull's corner's faces, moved inwards, and then towards the middle until it
-/// lies behind all faces that were moved.
+/// Each corner of the hull is the intersection of inward-moved faces there, then moved to the
+/// middle until it is behind all moved faces.
 void shrink_hull(const ConvexHull& hull, double layer, std::vector<Vec3>& arms) {
   const auto depth = [&](const ConvexHull::Face& face) {
     return std::min(layer, kDeep * face.offset);
@@ -26,13 +26,13 @@ void shrink_hull(const ConvexHull& hull, double layer, std::vector<Vec3>& arms) 
     Mat3 normals = 1e-9 * Mat3::Identity();
     Vec3 inwards = Vec3::Zero();
     for (const std::uint32_t e : hull.star(v)) {
-      for (const std::uint32_t f : hull.edges()[e].faces) {  // each face twice
+      for (const std::uint32_t f : hull.edges()[e].faces) {  // each face appears twice
         const ConvexHull::Face& face = hull.faces()[f];
         normals += face.normal * face.normal.transpose();
         inwards += depth(face) * face.normal;
       }
     }
-    // Cramer's rule: the order of Eigen's inverse is not the same everywhere.
+    // Cramer's rule: Eigen's inverse is not evaluated in the same order everywhere.
     const Vec3 p = normals.col(0);
     const Vec3 q = normals.col(1);
     const Vec3 r = normals.col(2);
@@ -68,7 +68,7 @@ ConvexCore inner_core(const Collider& c, std::vector<Vec3>& arms) {
       core.half -= Vec3::Constant(layer);
       break;
     case CoreKind::Cone: {
-      // About the middle of the ball that fits in.
+      // About the centre of the inscribed ball.
       const double radius = core.half[0];
       const double height = 2.0 * core.half[2];
       const double ball = radius * height / (radius + pbd::portable::hypot(radius, height));

@@ -7,9 +7,9 @@
 
 namespace tandem::collision {
 
-/// What may change after a collider was made, for snapshots.
+/// Fields that may change after a collider was made, for snapshots.
 void save_surface(pbd::ByteWriter& out, const Material& material, const Filter& filter);
-/// @return false where the bytes are no material
+/// @return false if the input is no valid material
 bool load_surface(pbd::ByteReader& in, Material& material, Filter& filter);
 
 }  // namespace tandem::collision

@@ -25,7 +25,7 @@ Vec3 until_meeting(const ConvexCore& a, const ConvexCore& b, const Vec3& way, do
     ++queries;
     const ConvexCore there = moved_by(b, share * way);
     const Direction found = query_direction(a, there, margin);
-    // Too near for the library: the direction of the last look is that in which they meet.
+    // Too near for the library: the last direction is the one in which they meet.
     if (found.status == Direction::Status::Unknown) return Approach{direction.normal, 0.0};
     moved = share * way;
     direction = found;

@@ -9,23 +9,22 @@
 
 namespace tandem::collision {
 
-/// How two shapes lie that are apart.
+/// Relative position of two separated shapes.
 struct Approach {
   pbd::Vec3 normal;  ///< unit, from a to b
   double gap = 0.0;  ///< m, along it
 };
 
-/// A contact of shapes that are still apart takes the direction in which they will meet: in that of
-/// where they are now, what passes by an edge would be thrown off it. The distance of two convex
-/// shapes that move on straight lines is a convex function, so that Newton's method finds where it
-/// becomes 0 from below, within a few looks.
-/// @param sweep   m, motion of b against a within the step
-/// @param near    m, so far apart they have met
-/// @param gap     m, of now, and `normal` with it
+/// Contacts of separated shapes take the direction in which they will meet: with the current
+/// direction, a shape passing by an edge would be thrown off it. The distance of two convex shapes
+/// that move on straight lines is a convex function, so Newton's method finds its zero from below,
+/// within a few iterations.
+/// @param sweep   m, motion of b relative to a within the step
+/// @param near    m, gap at which they count as met
+/// @param gap     m, current gap along `normal`
 /// @param look    look(share) is the Approach with b moved by that share of the sweep
-/// @return the share of the sweep after which they meet, or after which the direction is one in
-/// which
-///   they do not within the step; 0 where they are as near now
+/// @return the share of the sweep after which they meet, or at which the direction shows that they
+///   do not meet within the step; 0 if they have met now
 template <class Look>
 double share_to_meeting(const pbd::Vec3& sweep, double near, Approach at, Look&& look) {
   constexpr int kLooks = 8;
@@ -39,15 +38,15 @@ double share_to_meeting(const pbd::Vec3& sweep, double near, Approach at, Look&&
   return share;
 }
 
-/// Share of the smaller one's size at which two shapes have met: beyond the library's rounding.
+/// Share of the smaller size at which two shapes have met: above the library's rounding.
 inline constexpr double kMet = 1e-4;
 
-/// The core at another place.
+/// The core, displaced.
 ConvexCore moved_by(const ConvexCore& core, const Vec3& way);
 
-/// How far b has to be moved along the way (m) for the two to lie as they will where they meet.
-/// @param direction  in which b lies now; becomes that in which it lies there
-/// @param queries    raised by those that it takes
+/// Displacement of b along the way (m) after which the two are positioned as when they meet.
+/// @param direction  current direction of b; set to the direction there
+/// @param queries    increased by the number of library queries
 Vec3 until_meeting(const ConvexCore& a, const ConvexCore& b, const Vec3& way, double margin,
                    Direction& direction, std::size_t& queries);
 

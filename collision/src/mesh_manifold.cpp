@@ -15,7 +15,7 @@ namespace {
 /// A front is preferred within this share of the depth, and of the shape's size.
 constexpr double kFrontShare = 0.05;
 constexpr double kFrontSize = 1e-3;
-/// A front deeper than this is not the way out: the triangle faces elsewhere.
+/// A deeper front is not the way out: the triangle faces elsewhere.
 constexpr double kMaxReprojection = 4.0;
 constexpr double kMaxReprojectionSize = 0.05;
 
@@ -25,9 +25,9 @@ bool by_rank(const MeshPoint& l, const MeshPoint& r) {
   return l.point.feature < r.point.feature;
 }
 
-/// Whether a point that is `gap` (m) above the triangle is still over it where it meets its plane.
-/// One that has left it by then goes on past a crest, or over to a neighbour that looks after it.
-/// @param way  m, of the triangle against the point, that is left of the step
+/// Whether a point `gap` (m) above the triangle is still over it when it meets its plane. Otherwise
+/// it passes beyond a crest, or a neighbouring triangle handles it.
+/// @param way  m, remaining motion of the triangle relative to the point in the step
 bool stays_over(const ConvexCore& t, const Vec3& point, double gap, const Vec3& way) {
   const double closing = t.front.dot(way);
   if (gap <= 0.0 || closing <= gap) return true;
@@ -35,8 +35,8 @@ bool stays_over(const ConvexCore& t, const Vec3& point, double gap, const Vec3& 
   return spans(t.front, t.corners[0], t.corners[1], t.corners[2], there, kOver);
 }
 
-/// Contact across the front: what of the shape lies over the triangle, and nothing beside it.
-/// @param way  m, of the triangle against the shape, that is left of the step
+/// Contact across the front: the part of the shape over the triangle only.
+/// @param way  m, remaining motion of the triangle relative to the shape in the step
 RawManifold front_manifold(const ConvexCore& a, const ConvexCore& t, const Reach& reach,
                            const Vec3& way) {
   const ContactAxis axis = front_axis(a, t);
@@ -84,7 +84,7 @@ RawManifold triangle_manifold(const ConvexCore& a, const Surface& mesh, std::uin
   return {};
 }
 
-/// Equal features are one point: the deepest of them stays.
+/// Points of equal feature are merged: the deepest stays.
 void merge_equal(std::vector<RawPoint>& points) {
   std::sort(points.begin(), points.end());
   points.erase(
@@ -93,7 +93,7 @@ void merge_equal(std::vector<RawPoint>& points) {
       points.end());
 }
 
-/// Points on a segment: its two ends, and the deepest where that lies between and below them.
+/// Points on a segment: its two ends, and the deepest if it is between and below them.
 void reduce_segment(std::vector<RawPoint>& points, const Vec3& direction, double slop) {
   if (points.size() <= 2) return;
   const auto along = [&](const RawPoint& p) { return direction.dot(p.on_a); };
@@ -147,7 +147,7 @@ bool normal_allowed(const Surface& mesh, std::uint32_t triangle, const Vec3& n) 
     if (std::abs(n.dot(edge)) > kRegionSlop) continue;
     const std::uint32_t other = mesh.neighbour(triangle, k);
     if (other == TriangleMesh::kNone) return true;
-    // In the neighbour's plane, from the edge into it; there the edge runs the other way.
+    // In the neighbour's plane, from the edge into it; there the edge has the opposite direction.
     return n.dot(edge.cross(mesh.normal(other))) <= kRegionSlop;
   }
   const std::uint32_t v = corners[foremost];
@@ -158,7 +158,7 @@ bool normal_allowed(const Surface& mesh, std::uint32_t triangle, const Vec3& n) 
   return true;
 }
 
-/// Bounds of a shape in the mesh frame, with what it reaches out.
+/// Bounds of a shape in the mesh frame, including its range.
 static Aabb bounds_in_mesh(const ConvexCore& a, const MeshPose& pose, const Reach& reach) {
   const double round = a.radius + reach.margin;
   const Vec3 middle = pose.rotation.transpose() * -pose.translation;
@@ -171,7 +171,7 @@ static Aabb bounds_in_mesh(const ConvexCore& a, const MeshPose& pose, const Reac
   return bounds;
 }
 
-/// The contacts of a shape with one triangle; count 0 where there are none.
+/// The contacts of a shape with one triangle; count 0 if there are none.
 template <class Surface>
 static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, std::uint32_t index,
                                     const MeshPose& pose, const Reach& reach,
@@ -180,12 +180,12 @@ static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, st
   const ConvexCore t = triangle_core(mesh, index, pose);
   const double gap = front_axis(a, t).separation;
   if (gap - a.radius >= reach.margin) return found;
-  // Behind the plane there is no contact, except for a shape that was pushed through just now.
+  // Behind the plane there is no contact, unless the shape was pushed through just now.
   const double height = t.front.dot(a.centre - t.corners[0]);
   const bool behind = height < 0.0;
   if (behind && (height < -a.size || !was_touched(previous, mesh.normal(index)))) return found;
-  // No direction could be (much) better than a front that is overlapped this little; and where
-  // the middle is behind the plane, the nearest way out would be the wrong one.
+  // No direction could be (much) better than a front with such a small overlap; and if the centre
+  // is behind the plane, the nearest way out would be the wrong one.
   if (behind || (a.radius == 0.0 && gap >= -kFrontSize * a.size)) {
     found = front_manifold(a, t, reach, reach.way);
   }
@@ -201,8 +201,7 @@ static RawManifold collide_triangle(const ConvexCore& a, const Surface& mesh, st
       found = triangle_manifold(a, mesh, index, there, pose, reach, left, direction);
     }
   }
-  // On a surface that rises ahead, other triangles stop the shape first, and its way may end over
-  // this one.
+  // On a rising surface other triangles stop the shape first, and its path may end over this one.
   if (found.count == 0 && gap - a.radius >= -kFrontSize * a.size && !reach.sweep.isZero(0.0)) {
     moved = reach.sweep;
     found = front_manifold(a, moved_by(t, moved), reach, Vec3::Zero());
@@ -223,7 +222,7 @@ static void gather_cluster(MeshScratch& scratch, std::size_t seed, int number, d
     MeshPoint& candidate = scratch.points[i];
     if (candidate.cluster >= 0 || candidate.normal.dot(n) < kSameNormal) continue;
     candidate.cluster = number;
-    // Measured along the common normal the gap stays what it was along the point's own.
+    // Measured along the common normal the gap equals that along the point's own.
     candidate.point.on_b = candidate.point.on_a + (candidate.point.gap + radius) * n;
     scratch.cluster.push_back(candidate.point);
   }

@@ -18,19 +18,19 @@
 namespace tandem::collision {
 namespace {
 
-/// Colliders that one worker takes at a time.
+/// Colliders per chunk of a worker.
 constexpr std::size_t kChunk = 128;
 constexpr std::uint8_t kGuardedSteps = 60;
-/// Of the lesser of two sizes: so near to each other are two left that would have met, for the
-/// contact of the next step; and so near has the inside to come to something to be in its way.
+/// Share of the smaller of two sizes: gap at which two bodies that would have met are stopped, for
+/// the contact of the next step; and distance at which a core counts as obstructed.
 constexpr double kLeftApart = 0.01;
-/// Rounds in which bodies that stop on their way are looked at again by those they meet.
+/// Rounds in which stopped bodies are checked again by those that they meet.
 constexpr int kRounds = 4;
 
-// How a collider goes in a step.
-constexpr std::uint8_t kPaceIdle = 0;  ///< nothing to look at
+// Pace of a collider in a step.
+constexpr std::uint8_t kPaceIdle = 0;  ///< nothing to check
 constexpr std::uint8_t kPaceSlow = 1;
-constexpr std::uint8_t kPaceFast = 2;  ///< the middle goes further than the ball there is wide
+constexpr std::uint8_t kPaceFast = 2;  ///< the middle moves further than the radius of its ball
 constexpr std::uint8_t kPaceSwift =
     3;  ///< far points do, or it is marked: movable ones stop it, too
 
@@ -48,18 +48,18 @@ bool is_finite(const pbd::Pose& pose) {
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
 }
 
-/// Whether it is round about an axis that goes through its body's middle.
+/// Whether it is a solid of revolution about an axis through its body's centre.
 bool is_round(const Collider& c) {
   return (c.kind == Kind::Capsule || c.kind == Kind::Cylinder || c.kind == Kind::Cone) &&
          c.def.local.position.isZero(1e-9 * c.size);
 }
 
-/// The axis of what is round, in the world.
+/// The axis of a solid of revolution, world.
 Vec3 axis_of(const Collider& c, const pbd::Pose& body) {
   return pbd::rotate(body.orientation, Vec3(c.local_rotation().col(2)));
 }
 
-/// rad^2, how far it turns, of large turns a little less: of what is round its axis.
+/// rad^2, rotation, slightly less for large ones; for a solid of revolution that of its axis.
 double turned_squared(const Collider& c, const pbd::Pose& to) {
   const pbd::Quat& before = c.body.orientation;
   if (is_round(c)) return (axis_of(c, to) - axis_of(c, c.body)).squaredNorm();
@@ -68,10 +68,10 @@ double turned_squared(const Collider& c, const pbd::Pose& to) {
   return 4.0 * chord2;
 }
 
-/// rad, likewise.
+/// rad, rotation: root of turned_squared().
 double turned(const Collider& c, const pbd::Pose& to) { return std::sqrt(turned_squared(c, to)); }
 
-/// m, how far any point of what cannot be pushed moves in this step, at most.
+/// m, largest motion of any point of an immovable collider in this step.
 double fastest_obstacle(std::span<const Collider> colliders, std::span<const std::uint32_t> watched,
                         const pbd::World& world, std::span<const pbd::Pose> after) {
   double fastest = 0.0;
@@ -88,27 +88,27 @@ double fastest_obstacle(std::span<const Collider> colliders, std::span<const std
 
 }  // namespace
 
-/// What a step is about.
+/// Input of a step.
 struct MotionLimiter::Step {
   std::span<Collider> colliders;
   const BroadPhase& broad;
   const pbd::World& world;
   std::span<const pbd::Pose> after;
-  std::span<const std::uint8_t> pace;     ///< by collider: from kPaceIdle to kPaceSwift
+  std::span<const std::uint8_t> pace;     ///< by collider: kPaceIdle to kPaceSwift
   std::span<const std::uint8_t> chained;  ///< by body slot
 
   const pbd::Pose& end(const Collider& c) const {
     return is_static(c, world) ? c.body : after[c.def.body.index];
   }
   bool meet(const Collider& a, const Collider& b) const { return broad.meet(a, b); }
-  /// Whether it stops where its surface meets something. What is chained does not: the others
-  /// would go on and tear at it.
+  /// Whether it stops where its surface meets something. Chained bodies do not: the others would go
+  /// on and strain the rows.
   bool is_swept(std::uint32_t i) const {
     return pace[i] >= kPaceFast && chained[colliders[i].def.body.index] == 0;
   }
   MotionPath path(const Collider& c) const {
     if (!is_round(c)) return {c.body, end(c), c.motion().twist, c.motion().span};
-    // What it spins about its own axis is not seen: a rolling rod keeps its axis level.
+    // Spin about its own axis is ignored: a rolling rod keeps its axis level.
     const Vec3 axis = axis_of(c, c.body);
     const Vec3 then = axis_of(c, end(c));
     const Vec3 across = axis.cross(then);
@@ -128,14 +128,14 @@ namespace {
 
 using MotionStep = MotionLimiter::Step;
 
-/// Whether far points go further by turning than it is thick.
+/// Whether rotation moves far points by more than its thickness.
 bool swings(const Collider& c, const pbd::Pose& end) {
   return c.kind != Kind::Sphere && turned_squared(c, end) * (c.reach * c.reach) > c.size * c.size;
 }
 
-/// What is marked counts as swift however little it moves. There is nothing to look at where what
-/// is not guarded moves so little that no obstacle gets through the ball in its middle.
-/// @param fastest  m, how far any obstacle moves
+/// Bullets and swinging colliders are swift at any speed. A collider is idle if it is not guarded
+/// and moves so little that no obstacle gets through the ball in its middle.
+/// @param fastest  m, largest motion of any obstacle
 std::uint8_t pace_of(const Collider& c, const pbd::Pose& end, bool bullet, double fastest) {
   const double radius = core_radius(c);
   const Vec3 way = core_centre(c, end) - core_centre(c, c.body);
@@ -146,8 +146,8 @@ std::uint8_t pace_of(const Collider& c, const pbd::Pose& end, bool bullet, doubl
   return c.guarded == 0 && left >= 0.0 && way2 <= left * left ? kPaceIdle : kPaceSlow;
 }
 
-/// Where a body is at the end that is at `pose` when the obstacle is at `then`, and goes on with
-/// it.
+/// Pose at the end of a body that is at `pose` when the obstacle is at `then`, and is carried along
+/// by it.
 pbd::Pose carried(const pbd::Pose& pose, const pbd::Pose& then, const pbd::Pose& end) {
   const pbd::Quat turn = end.orientation * then.orientation.conjugate();
   pbd::Pose out{end.position + pbd::rotate(turn, pose.position - then.position),
@@ -156,15 +156,15 @@ pbd::Pose carried(const pbd::Pose& pose, const pbd::Pose& then, const pbd::Pose&
   return out;
 }
 
-/// When the surfaces of `first` and `second` meet, if its inside would meet that one. Where they
-/// touch from the start, for which `touching` is set, it is what the inside does.
+/// When the surfaces of `first` and `second` meet, if the core of `first` would. If they touch at
+/// the start, `touching` is set and it is when the core meets.
 SweepHit find_meeting(const Collider& first, MovingCore a, const Collider& second,
                       const MovingCore& b, std::vector<Vec3>& arms, bool& touching) {
   const double touch = kLeftApart * std::min(first.size, second.size);
   a.core = inner_core(first, arms);
   SweepHit hit = sweep(a, b, touch);
   if (hit.apart <= 0.0) {
-    // The middle at least stays on its side.
+    // At least the centre stays on its side.
     a.core = point_core(a.core.centre);
     hit = sweep(a, b, core_radius(first));
     if (hit.apart <= 0.0) return {};
@@ -176,14 +176,14 @@ SweepHit find_meeting(const Collider& first, MovingCore a, const Collider& secon
   return touching || whole.share >= 1.0 ? hit : whole;
 }
 
-/// The ball in the middle against what cannot be pushed and may itself move on.
+/// Casts the ball in the middle against an immovable collider, which may move by itself.
 void cast_ball(const MotionStep& step, const Collider& c, const Collider& target,
                std::vector<std::uint32_t>& list, std::vector<pbd::MotionLimit>& limits) {
   const double radius = core_radius(c);
   const Vec3 from = core_centre(c, c.body);
   const Vec3 to = core_centre(c, step.end(c));
   const auto is_far = [&](const Vec3& way) { return way.squaredNorm() > radius * radius; };
-  // As seen from the target.
+  // In the frame of the target.
   const Vec3 moved = step.end(target).position - target.body.position;
   if (c.guarded == 0 && !is_far(to - from) && !is_far(to - from - moved)) return;
   const CoreHit hit = core_cast(from, to - moved, radius, target, list);
@@ -194,8 +194,8 @@ void cast_ball(const MotionStep& step, const Collider& c, const Collider& target
   limits.push_back({c.def.body.index, hit.share, pose, hit.normal, moved});
 }
 
-/// The shape against what does not stop for it: what cannot be pushed takes along what it meets,
-/// and what is slow is taken to be where it ends.
+/// Sweeps the shape against a collider that does not stop for it: an immovable one carries along
+/// what it meets, and a slow one is taken at its end pose.
 void sweep_shape(const MotionStep& step, const Collider& c, const MotionPath& path,
                  const Collider& target, std::vector<Vec3>& arms,
                  std::vector<pbd::MotionLimit>& limits) {
@@ -284,7 +284,7 @@ void MotionLimiter::mark_chained(const pbd::World& world, std::span<const std::u
   }
 }
 
-/// By when they meet, then by the order of the colliders: not by who found them.
+/// By time of meeting, then by the order of the colliders, independent of the worker.
 void MotionLimiter::sort_pairs(const Step& step) {
   std::sort(pairs_.begin(), pairs_.end(), [&](const FastPair& l, const FastPair& r) {
     const auto place = [&](const FastPair& pair) {
@@ -295,8 +295,7 @@ void MotionLimiter::sort_pairs(const Step& step) {
   });
 }
 
-/// Of those that meet on their ways the first ones stop there, in the order of time. Who meets
-/// somebody that has stopped is asked again.
+/// Stops the first to meet, in the order of time. Pairs with a stopped collider are checked again.
 bool MotionLimiter::stop_first(const Step& step, std::vector<Vec3>& arms) {
   for (FastPair& pair : pairs_) {
     if (!std::exchange(pair.old, false)) continue;

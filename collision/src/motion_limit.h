@@ -13,30 +13,30 @@
 
 namespace tandem::collision {
 
-/// Finds the bodies that would get through something: see CollisionScene::limit_motion().
+/// Finds the bodies that would tunnel: see CollisionScene::limit_motion().
 class MotionLimiter {
  public:
-  /// Colliders that are near what is thin are guarded for a while.
+  /// Guards colliders near thin ones for a number of steps.
   static void guard(std::span<Collider> colliders, std::span<const ColliderPair> near);
-  /// @param watched  those of bodies that may move are among them, ascending
+  /// @param watched  ascending, includes the colliders of all bodies that may move
   void find(std::span<Collider> colliders, std::span<const std::uint32_t> watched,
             const BroadPhase& broad, const pbd::World& world, std::span<const pbd::Pose> after,
             pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits);
 
-  /// Give back memory that the last find() did not need.
+  /// Frees memory that the last find() did not need.
   void trim() { give_back(paced_); }
 
   struct Step;
 
  private:
-  /// Two that may stop each other: the inside of the first one and the surface of the second.
+  /// Two colliders that may stop each other: the core of the first and the surface of the second.
   struct FastPair {
     std::uint32_t first = 0;
     std::uint32_t second = 0;
-    double share = 1.0;  ///< of the step after which they meet
-    bool old = true;     ///< one of them stops elsewhere than when this was asked
+    double share = 1.0;  ///< of the step, at which they meet
+    bool old = true;     ///< outdated: one of them has a new stop
   };
-  /// What one worker needs and finds.
+  /// Scratch and results of one worker.
   struct Worker {
     std::vector<pbd::MotionLimit> limits;
     std::vector<FastPair> pairs;
@@ -51,15 +51,15 @@ class MotionLimiter {
   bool stop_first(const Step& step, std::vector<Vec3>& arms);
 
   std::vector<Worker> workers_;
-  /// By collider: how it goes in this step; what lies still stays idle.
+  /// By collider: pace in this step; resting ones stay idle.
   std::vector<std::uint8_t> pace_;
-  std::vector<std::uint32_t> paced_;  ///< where that may not be idle
-  /// By body slot: rows hold it to another movable body, which would not stop with it.
+  std::vector<std::uint32_t> paced_;  ///< colliders that may not be idle
+  /// By body slot: rows join it to another movable body, which would not stop with it.
   std::vector<std::uint8_t> chained_;
-  std::vector<std::uint32_t> links_;  ///< where that is set
+  std::vector<std::uint32_t> links_;  ///< bodies set in chained_
   std::vector<pbd::ConstraintEdge> edges_;
   std::vector<FastPair> pairs_;
-  std::vector<double> stops_;  ///< by body slot: share of the step
+  std::vector<double> stops_;  ///< by body slot, share of the step
 };
 
 }  // namespace tandem::collision

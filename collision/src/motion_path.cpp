@@ -12,13 +12,13 @@ namespace tandem::collision {
 namespace {
 
 constexpr int kMaxAdvances = 64;
-/// rad: below this there is no axis to go round.
+/// rad: a smaller rotation has no axis.
 constexpr double kNoTurn = 1e-6;
-/// rad: after a whole turn nothing is seen of how wide the circle was.
+/// rad: after a whole turn the radius of the circle cannot be recovered.
 constexpr double kMaxTurn = 6.0;
 
-/// Of the turns that lead from one orientation to the other, which are whole turns apart, the one
-/// that is nearest to what the spin at the start makes.
+/// The rotation from one orientation to the other, of those that differ by whole turns the one
+/// nearest to the rotation by the initial spin.
 Vec3 turn_between(const pbd::Pose& from, const pbd::Pose& to, const Vec3& spun) {
   constexpr double kWhole = 2.0 * std::numbers::pi;
   Vec3 turn = pbd::rotation_between(from.orientation, to.orientation);
@@ -72,8 +72,7 @@ double MotionPath::speed(const Vec3& n, double reach) const {
 Aabb MotionPath::bounds(double reach) const {
   const Vec3 to = from_.position + go_;
   const Aabb straight{from_.position.cwiseMin(to), from_.position.cwiseMax(to)};
-  // Round the axis no point of the way is further from the start than the circle is wide, nor than
-  // it is long.
+  // No point of a circular path is further from the start than its diameter, or its arc length.
   const double round = std::min(2.0, turn_.norm()) * arm_.norm();
   return straight.expanded(reach + round);
 }
@@ -94,13 +93,13 @@ SweepHit sweep(const MovingCore& a, const MovingCore& b, double gap) {
       hit.apart = between;
       gap = std::min(gap, 0.5 * between);
     }
-    if (!d.apart) return hit;  // by rounding: what was found a hair before
+    if (!d.apart) return hit;  // by rounding: keep the previous result
     hit.share = t;
     hit.normal = -d.normal;
     if (between <= gap) return hit;
     const double of_a = t < a.stop ? a.path.speed(d.normal, a.reach) : 0.0;
     const double of_b = t < b.stop ? b.path.speed(-d.normal, b.reach) : 0.0;
-    // What has stopped first no longer goes along with the other one.
+    // A stopped body no longer moves along with the other one.
     const double closing = together ? of_a + of_b : std::max(0.0, of_a) + std::max(0.0, of_b);
     if (closing > 0.0) t += std::max(d.least - radii - 0.5 * gap, 0.25 * gap) / closing;
     if (closing <= 0.0 || t >= std::max(a.stop, b.stop)) {

@@ -11,12 +11,12 @@
 namespace tandem::collision {
 namespace {
 
-/// Pairs that one worker takes at a time.
+/// Pairs per chunk of a worker.
 constexpr std::size_t kPairGrain = 64;
-/// Pairs ahead whose memory is asked for: to see whether they are near, and of those that were.
+/// Prefetch distance in pairs: for the test whether they are near, and for the data of near ones.
 constexpr std::size_t kPrefetch = 6;
 constexpr std::size_t kPrefetchAll = 3;
-/// More patches than any pair has (keys keep 12 bits for them).
+/// Above the patches of any pair (keys have 12 bits for them).
 constexpr std::uint32_t kMaxPatches = 4096;
 /// Three faces of either box and nine pairs of edges.
 constexpr std::uint8_t kBoxAxes = 15;
@@ -27,7 +27,7 @@ void prefetch(const T& object) {
   for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
 }
 
-/// Triangles of a search: where `to` has no list yet, the next search would make it as well.
+/// Copies a triangle list; if `to` has none yet, the next search makes it.
 void copy_triangles(const PairCache& from, PairCache& to) {
   if (from.triangles == nullptr || !from.triangles->filled) {
     if (to.triangles != nullptr) to.triangles->filled = false;
@@ -37,8 +37,8 @@ void copy_triangles(const PairCache& from, PairCache& to) {
   *to.triangles = *from.triangles;
 }
 
-/// @param may_take  patches from the pool; without, those that `to` has no memory for are left out
-/// @return whether none was left out
+/// @param may_take  allow patches from the pool; otherwise those without memory in `to` are skipped
+/// @return whether none was skipped
 bool copy_cache(const PairCache& from, PairCache& to, PatchPool& pool, bool may_take) {
   to.position = from.position;
   to.orientation = from.orientation;
@@ -112,7 +112,7 @@ bool PairContacts::collect_pair(const Step& step, ColliderPair& entry, Worker& w
 void PairContacts::collect_pairs(const Step& step, std::size_t begin, std::size_t end,
                                  Worker& worker, std::vector<pbd::Manifold>& out) {
   for (std::size_t i = begin; i < end; ++i) {
-    // What lies all over the memory is on its way when its turn comes.
+    // Prefetch: colliders are scattered in memory.
     const ColliderPair& soon = step.pairs[std::min(i + kPrefetch, end - 1)];
     __builtin_prefetch(&step.colliders[soon.high].needed);
     __builtin_prefetch(&caches_[soon.cache]);
@@ -140,7 +140,7 @@ void PairContacts::join_chunks(pbd::Workers& workers, std::vector<pbd::Manifold>
   std::size_t size = out.size();
   for (Chunk& chunk : chunks_) {
     const Worker& worker = workers_[static_cast<std::size_t>(chunk.worker)];
-    // Modulo 2^32: a chunk may have been found later than it comes in the order.
+    // Modulo 2^32: a chunk may have been found later than its place in the order.
     const auto shift = static_cast<std::uint32_t>(size - chunk.begin);
     seams_.add(
         std::span(worker.fixed).subspan(chunk.fixed_begin, chunk.fixed_end - chunk.fixed_begin),
@@ -175,8 +175,8 @@ void PairContacts::collect(std::span<const Collider> colliders, std::span<Collid
     collect_pairs(step, 0, pairs.size(), workers_[0], out);
     seams_.add(workers_[0].fixed, 0);
   } else {
-    // Each worker writes to a list of its own; the chunks are then put together in order.
-    // Few may come as one: the others are empty then.
+    // Each worker writes to its own list; the chunks are then joined in order. A few pairs may come
+    // as one chunk: the others stay empty then.
     chunks_.assign((pairs.size() + kPairGrain - 1) / kPairGrain, {});
     workers.for_chunks(pairs.size(), kPairGrain, [&](std::size_t begin, std::size_t end, int w) {
       Worker& worker = workers_[static_cast<std::size_t>(w)];
@@ -189,8 +189,8 @@ void PairContacts::collect(std::span<const Collider> colliders, std::span<Collid
     join_chunks(workers, out);
   }
   seams_.drop_covered(colliders, workers, out);
-  // Another place is covered when the part has gone on: what is kept of an edge from before the
-  // seam must not be taken for what lies beyond it.
+  // When the part has moved on, another place is covered: kept contacts with an edge before the
+  // seam must not be used beyond it.
   for (const FixedNeighbour& neighbour : seams_.neighbours()) {
     if (neighbour.covered) caches_[neighbour.cache].margin = 0.0f;
   }
@@ -237,7 +237,7 @@ void PairContacts::save(pbd::ByteWriter& out, std::uint32_t slot) const {
 bool PairContacts::load(pbd::ByteReader& in, std::uint32_t slot, bool boxes) {
   PairCache& cache = caches_[slot];
   pool_.give(std::exchange(cache.patches, nullptr));
-  // The slot may have been another pair's.
+  // The slot may have belonged to another pair.
   if (cache.triangles != nullptr) cache.triangles->filled = false;
   cache.valid = in.u8() != 0;
   cache.axis = in.u8();
@@ -281,14 +281,14 @@ bool PairContacts::load(pbd::ByteReader& in, std::uint32_t slot, bool boxes) {
 }
 
 void PairContacts::assign(const PairContacts& source) {
-  // Slots beyond the source's stay, for their lists' memory, with what new ones begin with: nothing
-  // reads it, but snapshots contain it.
+  // Slots beyond the source's keep their memory and are reset to the default: nothing reads them,
+  // but snapshots contain them.
   for (std::size_t i = source.caches_.size(); i < caches_.size(); ++i) {
     copy_cache(PairCache{}, caches_[i], pool_, false);
   }
   if (caches_.size() < source.caches_.size()) caches_.resize(source.caches_.size());
-  // Patches that are not needed go back before others are taken, so that the pool does not grow
-  // where only their pairs have changed.
+  // Unneeded patches are given back before others are taken, so that the pool does not grow if only
+  // their pairs have changed.
   bool complete = true;
   for (std::size_t i = 0; i < source.caches_.size(); ++i) {
     complete = copy_cache(source.caches_[i], caches_[i], pool_, false) && complete;

@@ -15,31 +15,31 @@
 
 namespace tandem::collision {
 
-/// What is known of each pair of colliders, and the manifolds that are made of it in a step.
+/// Cached data of each pair of colliders, and the manifolds made of it in a step.
 class PairContacts {
  public:
-  /// Have at least so many slots; see ColliderPair::cache.
+  /// Ensures at least so many slots; see ColliderPair::cache.
   void grow(std::size_t slots) {
     if (slots > caches_.size()) caches_.resize(slots);
   }
-  /// Append the manifolds of all pairs, in their order.
+  /// Appends the manifolds of all pairs, in order.
   /// @param recycle_angle  see CollisionOptions
   void collect(std::span<const Collider> colliders, std::span<ColliderPair> pairs,
                double recycle_angle, double dt, pbd::Workers& workers,
                std::vector<pbd::Manifold>& out);
-  /// Of the last collect(): see CollisionStats.
+  /// Statistics of the last collect(): see CollisionStats.
   std::size_t queries() const;
   std::size_t recycled() const;
 
   void save(pbd::ByteWriter& out, std::uint32_t slot) const;
-  /// @param boxes  whether the pair is of two boxes
-  /// @return false where the bytes are no pair's; the slot is then of no use
+  /// @param boxes  whether both colliders are boxes
+  /// @return false on invalid input; the slot is then unusable
   bool load(pbd::ByteReader& in, std::uint32_t slot, bool boxes);
-  /// Become a copy with memory of its own.
+  /// Becomes a copy with memory of its own.
   void assign(const PairContacts& source);
 
  private:
-  /// What one worker needs and finds.
+  /// Scratch and results of one worker.
   struct Worker {
     QueryScratch scratch;
     std::size_t queries = 0;
@@ -47,16 +47,16 @@ class PairContacts {
     std::vector<pbd::Manifold> found;
     std::vector<FixedNeighbour> fixed;  ///< `first` counts from the worker's own manifolds
   };
-  /// Where the manifolds of a chunk of pairs are, and its neighbours that are fixed.
+  /// Location of a chunk's manifolds, and its fixed neighbours.
   struct Chunk {
     int worker = 0;
     std::size_t begin = 0;
     std::size_t end = 0;
     std::size_t fixed_begin = 0;
     std::size_t fixed_end = 0;
-    std::size_t to = 0;  ///< in what is put together
+    std::size_t to = 0;  ///< index in the joined list
   };
-  /// What a step is about.
+  /// Input of a step.
   struct Step {
     std::span<const Collider> colliders;
     std::span<ColliderPair> pairs;

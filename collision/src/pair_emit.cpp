@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// From what is known of a pair to the manifolds of this step.
+// Makes the manifolds of this step from a pair's cache.
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -14,13 +14,13 @@
 namespace tandem::collision {
 namespace {
 
-/// What the pair's material is.
+/// Sets the material of the pair.
 void set_material(const Collider& a, const Collider& b, pbd::Manifold& m) {
   m.friction = combined_friction(a.def.material, b.def.material);
   m.restitution = combined_restitution(a.def.material, b.def.material);
 }
 
-/// Into the order of the colliders.
+/// Puts the manifold into the order of the colliders.
 void finish_manifold(const QueryPair& pair, std::uint64_t key, pbd::Manifold& m) {
   constexpr std::uint64_t kClusterMask = (std::uint64_t{1} << kClusterBits) - 1;
   const Collider& first = pair.swapped ? *pair.b : *pair.a;
@@ -53,7 +53,7 @@ void emit(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
     const Vec3& n_a = patch->in_a ? patch->normal_l : in_other;
     const Vec3& n_b = patch->in_a ? in_other : patch->normal_l;
     const double margin = reach.along(normal);
-    // Between the bodies' origins first: far from the world's origin no digits are lost.
+    // Relative to the bodies' origins first, to keep precision far from the world's origin.
     const double between = pbd::dot(normal, b.body.position - a.body.position) - patch->radius_a -
                            patch->radius_b - margin;
     std::array<bool, ContactPatch::kMaxPoints> near{};

@@ -40,7 +40,7 @@ Quat relative_orientation(const Roles& r) {
 }
 
 /// Whether the measured part has moved less than `limit`, m, and how far. A body without a round
-/// core must not have turned by more than an angle either, given as the sine of its half.
+/// core must also have rotated less than an angle, given as the sine of its half.
 bool moved_less(const Roles& r, const PairCache& cache, double limit, double max_sine,
                 double& distance) {
   const Collider& measured = r.measured;
@@ -72,10 +72,10 @@ bool moved_less(const Roles& r, const PairCache& cache, double limit, double max
   return half_sine <= max_sine && distance < limit;
 }
 
-/// Whether a point that was left out may bear by now: one that bears in no step sinks until it is
-/// looked at, and is pushed out then, which lifts what lies there. A scanned parcel of 0.4 m sank
-/// by 1.5 mm so and rocked at 0.14 rad/s for ever.
-/// @param distance  m, as moved_less() has found it: no point has moved further
+/// Whether an omitted point may carry load by now. Such a point sinks until it is checked, and is
+/// then pushed out, which lifts the body: a scanned parcel of 0.4 m sank by 1.5 mm and rocked at
+/// 0.14 rad/s for ever.
+/// @param distance  m, from moved_less(): no point has moved further
 bool left_out_may_bear(const QueryPair& pair, const Roles& r, const PairCache& cache,
                        double distance) {
   for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) {
@@ -92,13 +92,13 @@ bool left_out_may_bear(const QueryPair& pair, const Roles& r, const PairCache& c
   return false;
 }
 
-/// Write the raw manifolds over the cache's patches, in their memory as far as it goes.
+/// Writes raw manifolds over the cache's patches, reusing their memory.
 class PatchWriter {
  public:
   PatchWriter(const QueryPair& pair, PairCache& cache, PatchPool& pool)
       : pair_(pair), pool_(pool), link_(&cache.patches) {}
 
-  /// @param origin  m, world: what the manifold's positions are relative to
+  /// @param origin  m, world: origin of the manifold's positions
   void store(const RawManifold& raw, const Vec3& origin) {
     if (raw.count == 0 || raw.cluster >= (1u << kClusterBits)) return;
     ContactPatch& patch = next();
@@ -107,12 +107,12 @@ class PatchWriter {
     patch.in_a =
         raw.owner == FaceOwner::A || (raw.owner == FaceOwner::None && b.dynamic && !a.dynamic);
     patch.normal_l = (patch.in_a ? a : b).direction_to_body(raw.normal);
-    // Of a cylinder on its side: down to its axis.
+    // A cylinder on its side: anchors on its axis.
     const double roll_a = a.kind == Kind::Cylinder ? rolling(a, raw.normal) : 0.0;
     const double roll_b = b.kind == Kind::Cylinder ? rolling(b, -raw.normal) : 0.0;
     patch.radius_a = radius_of(a) + roll_a;
     patch.radius_b = radius_of(b) + roll_b;
-    // Not rounded up.
+    // Never rounded up.
     patch.left_out = std::nextafter(static_cast<float>(raw.left_out), 0.0f);
     patch.cluster = static_cast<std::uint16_t>(raw.cluster);
     patch.count = static_cast<std::uint8_t>(std::min<int>(raw.count, ContactPatch::kMaxPoints));
@@ -124,7 +124,7 @@ class PatchWriter {
       patch.features[i] = raw.points[i].feature;
     }
   }
-  /// Of a sphere as a.
+  /// Stores a contact of sphere a.
   void store_sphere(const SphereTouch& touch) {
     if (touch.cluster >= (1u << kClusterBits)) return;
     ContactPatch& patch = next();
@@ -142,7 +142,7 @@ class PatchWriter {
     patch.anchor_b_l[0] = b.to_body(b.rotation * touch.point);
     patch.features[0] = 0;
   }
-  /// Give back what is left over.
+  /// Gives the unused patches back.
   void finish() { pool_.give(std::exchange(*link_, nullptr)); }
 
  private:
@@ -168,12 +168,12 @@ class PatchWriter {
   ContactPatch** link_;
 };
 
-/// What the surface's queries want to know of the pair's last patches.
+/// Collects the pair's last patches for the surface queries.
 void trace_patches(const QueryPair& pair, const Collider& mesh, const PairCache& cache,
                    std::vector<PatchTrace>& before) {
   before.clear();
   for (const ContactPatch* p = cache.patches; p != nullptr; p = p->next) {
-    // Patches are kept in the body's frame, normals are compared in the mesh's own.
+    // Patches are stored in the body's frame, normals are compared in the mesh's.
     const bool other_frame = !pair.a->is_surface() && !mesh.local_identity;
     before.push_back(
         {other_frame ? Vec3(mesh.local_rotation().transpose() * p->normal_l) : p->normal_l,
@@ -225,12 +225,12 @@ void query_mesh(const QueryPair& pair, const Reach& reach, PairCache& cache, Que
   }
 }
 
-/// Share of the way that turning may add to it where its direction is to count.
+/// Share of the path that rotation may add if the direction of the path is to count.
 constexpr double kTurning = 0.5;
 
-/// Of the lesser of two sizes: what one goes alone counts no further. Columns of 12 that fall from
-/// up to 50 edges hold with that, and with half of it, as without a bound; a swarm of 500 cubes at
-/// 100 m/s takes 0.25 s in place of 0.46 (0.16 where it does not count at all).
+/// Share of the smaller size: bound on a collider's motion by itself. Columns of 12 that fall from
+/// up to 50 edges hold with it, and with half of it, as well as without a bound; a swarm of 500
+/// cubes at 100 m/s takes 0.25 s instead of 0.46 (0.16 if such motion is ignored).
 constexpr double kAlone = 4.0;
 
 }  // namespace
@@ -251,7 +251,7 @@ PairReach reach_of(const QueryPair& pair, double dt) {
   reach.recycle = std::min(a.margins.recycle, b.margins.recycle);
   reach.sweep = dt * (b.motion().twist.linear - a.motion().twist.linear);
   double sweep2 = pbd::dot(reach.sweep, reach.sweep);
-  // The contact lies on both, so it is no further from one than the way over the other.
+  // The contact is on both, so it is no further from one than by way of the other.
   const double distance = (b.body.position - a.body.position).norm();
   const double arm_a = std::min(a.reach, distance + b.reach);
   const double arm_b = std::min(b.reach, distance + a.reach);
@@ -298,9 +298,9 @@ bool still_apart(const QueryPair& pair, const PairReach& reach, const PairCache&
 bool can_recycle(const QueryPair& pair, const PairReach& reach, const PairCache& cache,
                  double max_angle) {
   if (!cache.valid || reach.recycle <= 0.0) return false;
-  // The sine is within 1e-3 of itself for angles up to 0.1 rad, which is all that is asked.
+  // The sine is within 1e-3 for angles up to 0.1 rad, which is all that is needed.
   double distance = 0.0;
-  // Within what was asked then lies all that matters now.
+  // Then the last search covered everything that matters now.
   const Roles r = roles(pair);
   return moved_less(r, cache, reach.recycle, 0.5 * max_angle, distance) &&
          distance + reach.margin <= static_cast<double>(cache.margin) &&
@@ -333,7 +333,7 @@ std::size_t query_pair(const QueryPair& pair, const PairReach& reach, PairCache&
   const Quat orientation = relative_orientation(r);
   cache.position = relative_position(r);
   for (int i = 0; i < 4; ++i) cache.orientation[i] = static_cast<float>(orientation.coeffs()[i]);
-  // Not rounded up: what lies beyond was not looked for.
+  // Never rounded up: nothing beyond it was searched.
   cache.margin = std::nextafter(static_cast<float>(wanted.margin), 0.0f);
   cache.valid = true;
   return queries;

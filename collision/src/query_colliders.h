@@ -10,19 +10,19 @@
 
 namespace tandem::collision {
 
-/// The colliders of a scene as they are placed at one moment, with a tree to find them.
+/// The colliders of a scene at their poses at one moment, with a search tree.
 class QueryColliders {
  public:
   void update(const pbd::World& world, const CollisionScene& scene);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(entries_.size()); }
-  /// Whether slot `index` holds a collider with a pose made of numbers.
+  /// Whether slot `index` holds a collider with a finite pose.
   bool present(std::uint32_t index) const { return entries_[index].present; }
   const Collider& collider(std::uint32_t index) const { return entries_[index].collider; }
   ColliderId id(std::uint32_t index) const { return {index, entries_[index].collider.generation}; }
-  /// Of all but half-spaces, which are not in it.
+  /// All colliders except half-spaces.
   const AabbTree& tree() const { return tree_; }
-  /// Ascending.
+  /// Half-spaces, ascending.
   const std::vector<std::uint32_t>& half_spaces() const { return half_spaces_; }
 
  private:

@@ -62,7 +62,7 @@ Probe::Probe(const Vec3& point) : origin(point) {
 void Probe::place(const ConvexCore& placed) {
   core = placed;
   box = bounds_of(core);
-  // Rounding of the sum must not make the box smaller.
+  // Rounding of the sum must not shrink the box.
   const double slack = 1e-15 * origin.cwiseAbs().maxCoeff();
   box = {box.min + origin, box.max + origin};
   box = box.expanded(slack);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What a query of a scene is asked with. Everything here throws std::invalid_argument naming field,
-// value and rule.
+// Input of scene queries. Everything here throws std::invalid_argument naming field, value and
+// rule.
 #pragma once
 
 #include "collider.h"
@@ -12,7 +12,7 @@ namespace tandem::collision {
 
 void check_distance(double max_distance);
 
-/// A ray that can be asked.
+/// A valid ray.
 struct CheckedRay {
   Vec3 origin;
   Vec3 direction;  ///< unit
@@ -21,7 +21,7 @@ struct CheckedRay {
   explicit CheckedRay(const Ray& ray);
 };
 
-/// Unit direction and length; a displacement of nothing has no direction.
+/// Unit direction and length; zero displacement has no direction.
 struct Displacement {
   Vec3 direction = Vec3::Zero();
   double length = 0.0;  ///< m
@@ -29,7 +29,7 @@ struct Displacement {
   explicit Displacement(const Vec3& value);
 };
 
-/// A convex shape to ask with, placed at the origin of the query.
+/// A convex query shape, placed at the origin of the query.
 struct Probe {
   Vec3 origin;
   ConvexCore core;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Quickhull in its plainest form: the farthest point outside goes in next. With at most 128 corners
-// no list of who sees whom is worth its upkeep; faces are searched one by one.
-// Which side of a face a point lies on is decided on a grid of integers, where it is exact: with
-// points of single precision that nearly lie in planes and on lines the faces would else not close.
-// Neither FCL nor libccd nor Eigen builds hulls.
+// Basic quickhull: the farthest point outside is added next. With at most 128 corners, conflict
+// lists are not worth their upkeep; faces are searched one by one. The side of a face is decided
+// exactly, on an integer grid: otherwise faces would not close for points of single precision that
+// nearly lie in planes and on lines. Neither FCL nor libccd nor Eigen builds hulls.
 #include "quickhull.h"
 
 #include <algorithm>
@@ -21,20 +20,20 @@ namespace {
 
 using pbd::Vec3;
 
-/// Steps of the grid in the extent: with more the side of a plane would not fit 64 bits.
+/// Steps of the grid in the extent: with more, the side of a plane would not fit 64 bits.
 constexpr double kSteps = 1 << 20;
 constexpr const char* kVolumeRule =
     "such that they span a volume (1e-4 of their extent in each direction)";
 
 using GridPoint = std::array<std::int64_t, 3>;
 
-/// A face's plane through points of the grid, exact.
+/// A face's plane through grid points, exact.
 struct GridPlane {
   GridPoint at;
   GridPoint normal;  ///< twice the area long, at most 2^41.8
   double length;     ///< of the normal
   std::uint32_t number;
-  /// > 0 outside, in steps times `length`: below 2^63, as are all sums on the way
+  /// > 0 outside, in steps times `length`; below 2^63, like all partial sums.
   std::int64_t side(const GridPoint& p) const {
     std::int64_t sum = 0;
     for (int k = 0; k < 3; ++k) sum += normal[k] * (p[k] - at[k]);
@@ -90,7 +89,7 @@ Tetrahedron large_tetrahedron(std::span<const Vec3> points, double extent) {
 
 namespace {
 
-/// Its faces, fronts outside.
+/// Its faces, fronts outwards.
 std::vector<HullTriangle> first_tetrahedron(std::span<const Vec3> points, double extent) {
   const auto [a, b, c, d, normal, height] = large_tetrahedron(points, extent);
   if (!(std::abs(height) > kFlatHull * extent))
@@ -103,11 +102,11 @@ using Edge = std::array<std::uint32_t, 2>;  // directed
 
 struct Highest {
   double above = -std::numeric_limits<double>::infinity();
-  std::uint32_t plane = 0;  ///< number
+  std::uint32_t plane = 0;  ///< index
 };
 bool is_lower(const Highest& l, const Highest& r) { return l.above < r.above; }
 
-/// How far above the hull a point has to lie to become a corner, m: at least a step.
+/// Height above the hull from which on a point becomes a corner, m: at least a step.
 /// @param tolerance  share of the height of the first tetrahedron: see ConvexHull::make()
 double least_above(std::span<const Vec3> points, const std::vector<HullTriangle>& tetrahedron,
                    double step, double tolerance) {
@@ -118,12 +117,12 @@ double least_above(std::span<const Vec3> points, const std::vector<HullTriangle>
 }
 
 void check_rounds(std::size_t round) {
-  // A corner that goes in may be swallowed later, but not so many of them.
+  // A new corner may be covered later, but that cannot happen to so many.
   if (round <= 2 * ConvexHull::kMaxVertices) return;
   pbd::detail::refuse("ConvexHull: corners", "at most 128", "more");
 }
 
-/// By Euler's formula a closed surface of triangles has twice as many as corners, less four.
+/// By Euler's formula a closed triangle surface has twice as many triangles as corners, minus four.
 bool is_full(std::span<const HullTriangle> faces) {
   return faces.size() + 4 >= std::size_t{2} * ConvexHull::kMaxVertices;
 }
@@ -149,7 +148,7 @@ Quickhull quickhull(std::span<const Vec3> points, double extent, double toleranc
   std::uint32_t planes_made = 0;
   const auto plane_of = [&](const HullTriangle& t) { return grid_plane(grid, t, planes_made++); };
   std::transform(faces.begin(), faces.end(), std::back_inserter(planes), plane_of);
-  // Of each point the plane that it is farthest above, or least below.
+  // For each point the plane that it is farthest above, or least below.
   std::vector<Highest> highest(points.size());
   const auto look = [&](std::uint32_t i, std::span<const GridPlane> at) {
     for (const GridPlane& plane : at) {
@@ -173,7 +172,7 @@ Quickhull quickhull(std::span<const Vec3> points, double extent, double toleranc
     seen.clear();
     gone.assign(planes_made, false);
     for (std::size_t f = 0; f < faces.size(); ++f) {
-      // Faces in whose plane the point lies go as well, so that no sliver is left beside them.
+      // Faces coplanar with the point are removed too, so that no sliver is left beside them.
       if (planes[f].side(grid[next]) >= 0) {
         for (int k = 0; k < 3; ++k) seen.push_back({faces[f][k], faces[f][(k + 1) % 3]});
         gone[planes[f].number] = true;
@@ -185,7 +184,7 @@ Quickhull quickhull(std::span<const Vec3> points, double extent, double toleranc
     const std::size_t stay = kept.size();
     for (const Edge& edge : seen) {
       if (std::find(seen.begin(), seen.end(), Edge{edge[1], edge[0]}) != seen.end())
-        continue;  // within them
+        continue;  // interior of the removed region
       kept.push_back({edge[0], edge[1], next});
       kept_planes.push_back(plane_of(kept.back()));
     }

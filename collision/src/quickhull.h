@@ -14,7 +14,7 @@ namespace tandem::collision {
 /// Share of the extent: a hull thinner than this is flat.
 inline constexpr double kFlatHull = 1e-4;
 
-/// Corners by number, counter-clockwise seen from outside.
+/// Indices of corners, counter-clockwise seen from outside.
 using HullTriangle = std::array<std::uint32_t, 3>;
 
 struct HullPlane {
@@ -29,14 +29,14 @@ inline HullPlane hull_plane(std::span<const pbd::Vec3> points, const HullTriangl
   return {n, n.dot(a)};
 }
 
-/// The four points of a tetrahedron as large as can be had.
+/// The four points of a large tetrahedron.
 struct Tetrahedron {
   std::uint32_t a, b, c, d;
   pbd::Vec3 normal;  ///< of a, b, c
   double height;     ///< m, of d over those
 };
 
-/// @throws std::invalid_argument  where they are on a line
+/// @throws std::invalid_argument  if they are on a line
 Tetrahedron large_tetrahedron(std::span<const pbd::Vec3> points, double extent);
 
 struct Quickhull {
@@ -44,7 +44,7 @@ struct Quickhull {
   double left_out;  ///< m above the hull, of the farthest point that is no corner
 };
 
-/// @param cut  stops at as many corners as there may be, else more are an error
+/// @param cut  stop at the maximum number of corners; otherwise more are an error
 Quickhull quickhull(std::span<const pbd::Vec3> points, double extent, double tolerance, bool cut);
 
 }  // namespace tandem::collision

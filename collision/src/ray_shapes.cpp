@@ -11,8 +11,8 @@
 namespace tandem::collision {
 namespace {
 
-/// Where the ray from `start` enters a ball about the origin, or HUGE_VAL. The start is outside.
-/// By the ray's nearest point, which loses no digits where the start is far away.
+/// Where the ray from `start`, which is outside, enters a ball about the origin, or HUGE_VAL. Uses
+/// the ray's nearest point, to keep precision far away.
 double enter_ball(const Vec3& start, const Vec3& direction, double radius) {
   const double along = -start.dot(direction);
   if (along < 0.0) return HUGE_VAL;
@@ -44,7 +44,7 @@ RayResult ray_capsule(const Vec3& start, const Vec3& d, double radius, double ha
     out.distance = t;
     out.normal = (start + t * d - centre).normalized();
   }
-  // The side, seen along the axis: a disc that the ray crosses at a slower pace.
+  // The side, seen along the axis: a disc crossed at a lower speed.
   const double pace = pbd::portable::hypot(d.x(), d.y());
   if (pace > 1e-12) {
     const Vec3 flat(start.x(), start.y(), 0.0);
@@ -113,7 +113,7 @@ bool ray_triangle(const std::array<Vec3, 3>& corners, const Vec3& normal, const 
                   double limit, double& distance) {
   const double pace = direction.dot(normal);
   if (pace == 0.0) return false;
-  // On which side of each edge the ray passes. Two triangles compute the same number for a common
+  // Side of each edge on which the ray passes. Two triangles compute the same number for a common
   // edge, with opposite signs, whatever the rounding.
   bool positive = false;
   bool negative = false;

@@ -24,7 +24,7 @@ MeshSides sides_of(const QueryFilter& filter) {
 
 bool keep_order(const Aabb&, const Aabb&) { return false; }
 
-/// Of two hits of equal distance the lower collider is better.
+/// Of two hits at equal distance the lower collider wins.
 bool better_collider(double value, std::uint32_t index, double best, ColliderId best_id) {
   return value != best ? value < best : index < best_id.index;
 }
@@ -63,7 +63,7 @@ class __attribute__((visibility("hidden"))) SceneQuery::Impl {
         });
   }
 
-  /// The same for colliders within `distance` of the box.
+  /// Like along(), for colliders within `distance` of the box.
   void near(const Aabb& own, const double& distance, const QueryFilter& filter,
             auto&& visit) const {
     for (const std::uint32_t i : colliders.half_spaces()) {
@@ -221,7 +221,7 @@ std::optional<CastHit> SceneQuery::shape_cast(const Shape& shape, const Pose& st
   std::optional<CastHit> best;
   double limit = way.length;
   impl_->casts(probe, way.direction, limit, filter, [&](std::uint32_t i, const SurfaceHit& hit) {
-    // Of several overlaps at the start the deepest.
+    // Of several overlaps at the start, the deepest.
     const CastHit found = impl_->cast_hit(i, probe, way.length, hit);
     if (best) {
       const bool tied = found.fraction == best->fraction;

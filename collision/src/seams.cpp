@@ -15,26 +15,27 @@
 namespace tandem::collision {
 namespace {
 
-/// Share of the part's size by which the point further out lies outside: more than a part sinks
-/// into what it rests on, less than a tile is wide.
+/// Share of the part's size by which the outer test point is outside: more than a part sinks into
+/// its support, less than a tile is wide.
 constexpr double kOut = 0.05;
-/// Share of the part's size by which tiles may differ in height and yet be one floor.
+/// Share of the part's size by which tiles of one floor may differ in height.
 constexpr double kFlush = 1e-3;
 /// Share of the distance to its own collider by which another one must be nearer to a point: above
-/// rounding, so that of two that lie in one plane and overlap one keeps its points.
+/// rounding, so that of two coplanar, overlapping colliders one keeps its points.
 constexpr double kNearer = 1.0 - 1e-8;
-/// m: how much longer the way to a face may be than its height, for a point above the face.
+/// m: how much longer the path to a face may be than its height, for a point above the face.
 constexpr double kPlumb = 1e-11;
-/// Parts that one worker takes at a time.
+/// Parts per chunk of a worker.
 constexpr std::size_t kPartGrain = 16;
 
-/// The point of a collider's surface that is nearest to a given one.
+/// The point of a collider's surface nearest to a given one.
 struct Foot {
   Vec3 out = Vec3::UnitZ();    ///< unit, out of the surface
   double distance = HUGE_VAL;  ///< m, from the surface; negative inside
 };
 
-/// Of what is solid behind its triangles: nearest_on_collider() knows two sides of them.
+/// For surfaces that are solid behind their triangles: nearest_on_collider() treats both sides
+/// alike.
 template <class Surface>
 Foot foot_on_surface(const Vec3& point, const Collider& c, const Surface& surface, double limit,
                      std::vector<std::uint32_t>& triangles) {
@@ -62,8 +63,8 @@ Foot foot_on_surface(const Vec3& point, const Collider& c, const Surface& surfac
   return foot;
 }
 
-/// The faces decide where the point is inside: for one on a face, a search that does not know the
-/// faces may lead out of the other side of the hull.
+/// The faces decide whether the point is inside: for a point on a face, a search without faces may
+/// lead out of the other side of the hull.
 Foot foot_on_hull(const Vec3& point, const Collider& c, const ConvexHull& hull, double limit) {
   const Vec3 p = c.rotation.transpose() * (point - c.position) - hull.centre();
   Foot face;
@@ -79,7 +80,7 @@ Foot foot_on_hull(const Vec3& point, const Collider& c, const ConvexHull& hull, 
   return {hit.normal, hit.distance};
 }
 
-/// @param limit  m: what is further away may be left out
+/// @param limit  m: colliders further away may be ignored
 Foot foot_on(const Vec3& point, const Collider& c, double limit,
              std::vector<std::uint32_t>& triangles) {
   if (const auto* mesh = std::get_if<Mesh>(&c.def.shape))
@@ -92,7 +93,7 @@ Foot foot_on(const Vec3& point, const Collider& c, double limit,
   return {-at.normal, at.distance - at.radius_b};
 }
 
-/// Whether the triangles that have the point p reach above a plane through `on_plane`.
+/// Whether the triangles at point p reach above a plane through `on_plane`.
 template <class Surface>
 bool surface_stands_out(const Vec3& p, const Collider& c, const Surface& surface,
                         const Vec3& on_plane, const Vec3& out, double tolerance,
@@ -110,20 +111,20 @@ bool surface_stands_out(const Vec3& p, const Collider& c, const Surface& surface
   });
 }
 
-/// Whether the collider reaches above the plane through `on_plane`, by more than the tolerance; one
-/// of triangles near the point p.
+/// Whether the collider reaches above the plane through `on_plane` by more than the tolerance; for
+/// triangles, those near the point p.
 bool stands_out(const Vec3& p, const Collider& c, const Vec3& on_plane, const Vec3& out,
                 double tolerance, std::vector<std::uint32_t>& triangles) {
   if (const auto* mesh = std::get_if<Mesh>(&c.def.shape))
     return surface_stands_out(p, c, **mesh, on_plane, out, tolerance, triangles);
   if (const auto* field = std::get_if<Field>(&c.def.shape))
     return surface_stands_out(p, c, **field, on_plane, out, tolerance, triangles);
-  if (c.is_half_space()) return true;  // it has neither edges nor sides
+  if (c.is_half_space()) return true;  // without edges or sides
   const ConvexCore core = c.core(on_plane);
   return core.reach(out) + core.radius > tolerance;
 }
 
-/// What one point of a contact is asked about.
+/// One point of a contact, as tested.
 struct Contact {
   const Collider& part;
   const Collider& fixed;
@@ -138,14 +139,14 @@ bool covers(const Collider& cover, const Contact& contact, std::vector<std::uint
     return false;
   const Foot foot = foot_on(further, cover, 2.0 * step, triangles);
   if (!(foot.distance < 2.0 * step)) return false;
-  // Points of a curved side lie beside the surface by a little: its distance is not quite the step.
+  // Points of a curved side are slightly off the surface: their distance is not exactly the step.
   const double own = foot_on(further, contact.fixed, 2.0 * step, triangles).distance;
   if (!(foot.distance < kNearer * own)) return false;
   return !stands_out(contact.point, contact.fixed, further - foot.distance * foot.out, foot.out,
                      kFlush * contact.part.size, triangles);
 }
 
-/// Takes the points away that one of the neighbours covers. @return whether there were any
+/// Removes the points that one of the neighbours covers. @return whether there were any
 bool drop_points(std::span<const Collider> colliders, std::span<const FixedNeighbour> neighbours,
                  const FixedNeighbour& own, pbd::Manifold& m,
                  std::vector<std::uint32_t>& triangles) {
@@ -191,7 +192,7 @@ void Seams::drop_covered(std::span<const Collider> colliders, pbd::Workers& work
   };
   if (!std::is_sorted(neighbours_.begin(), neighbours_.end(), by_part))
     std::sort(neighbours_.begin(), neighbours_.end(), by_part);
-  // What has one neighbour alone meets no seam.
+  // A part with a single neighbour is on no seam.
   std::size_t kept = 0;
   const std::span<const FixedNeighbour> all = neighbours_;
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {

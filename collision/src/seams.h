@@ -12,36 +12,36 @@
 
 namespace tandem::collision {
 
-/// A dynamic collider near one of a body that is not, and the manifolds of the two.
+/// A dynamic collider near a fixed one, and the manifolds of the two.
 struct FixedNeighbour {
   std::uint32_t part = 0;   ///< the dynamic collider
-  std::uint32_t fixed = 0;  ///< the other one
-  std::uint32_t first = 0;  ///< into the list of manifolds
+  std::uint32_t fixed = 0;  ///< the fixed one
+  std::uint32_t first = 0;  ///< first index into the list of manifolds
   std::uint32_t count = 0;
   std::uint32_t cache = 0;  ///< the pair's slot, see ColliderPair
-  bool covered = false;     ///< drop_covered() took a point away
+  bool covered = false;     ///< drop_covered() has removed a point
 };
 
-/// Takes contacts with edges and sides away that the surface of a neighbour covers, so that tiles
-/// of a floor are one floor, whatever they are made of. A contact may stay only where the way out
-/// of it leads away from all that is fixed: a point a little further out must have the contact's
-/// own collider nearest. Otherwise what touches there has a nearer contact with the neighbour,
-/// unless the contact's collider stands out of the neighbour's surface, as a wall does on a floor.
+/// Removes contacts with edges and sides that the surface of a neighbour covers, so that tiles form
+/// one floor, whatever they are made of. A contact stays only if its direction leads away from all
+/// fixed colliders: a point a little further out must be nearest to the contact's own collider.
+/// Otherwise the neighbour has a nearer contact, unless the contact's collider stands out of the
+/// neighbour's surface, like a wall on a floor.
 class Seams {
  public:
   void clear() { neighbours_.clear(); }
   void add(const FixedNeighbour& neighbour) { neighbours_.push_back(neighbour); }
-  /// @param neighbours  of which `first` is `shift` too low
+  /// @param neighbours  their `first` is `shift` too low
   void add(std::span<const FixedNeighbour> neighbours, std::uint32_t shift);
-  /// Remove covered points from `manifolds`, and manifolds that have none left.
+  /// Removes covered points from `manifolds`, and manifolds without points.
   void drop_covered(std::span<const Collider> colliders, pbd::Workers& workers,
                     std::vector<pbd::Manifold>& manifolds);
-  /// After drop_covered(): of parts that have several.
+  /// After drop_covered(): neighbours of parts that have several.
   std::span<const FixedNeighbour> neighbours() const { return neighbours_; }
 
  private:
   std::vector<FixedNeighbour> neighbours_;
-  /// Of each worker: triangles near a point.
+  /// By worker: triangles near a point.
   std::vector<std::vector<std::uint32_t>> triangles_;
 };
 

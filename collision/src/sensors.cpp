@@ -10,9 +10,9 @@
 namespace tandem::collision {
 namespace {
 
-/// Share of its size by which a collider must move to pass through something unseen.
+/// Share of its size that a collider must move to pass through something unnoticed.
 constexpr double kFast = 0.5;
-/// A way longer than speeds explain, by this factor and this share of the size, is a jump.
+/// A path longer than the speed explains, by this factor and this share of the size, is a jump.
 constexpr double kJump = 2.0;
 
 bool first_child(const Aabb&, const Aabb&) { return false; }
@@ -44,7 +44,7 @@ pbd::Vec3 Sensors::way_of(std::uint32_t index, double dt) const {
 bool Sensors::passes(std::uint32_t sensor, std::uint32_t visitor) const {
   const Collider& s = colliders_.collider(sensor);
   const Collider& v = colliders_.collider(visitor);
-  // The one that is convex is the probe; it goes its way as seen from the other one.
+  // The convex one is the probe; it moves in the frame of the other one.
   const bool visitor_moves = v.is_convex();
   if (!visitor_moves && !s.is_convex()) return false;
   const Collider& probe = visitor_moves ? v : s;
@@ -93,7 +93,7 @@ void Sensors::find(const pbd::World& world, const CollisionScene& scene,
   }
   std::sort(inside.begin(), inside.end());
 
-  // A half-space has no far side to come out of.
+  // A half-space cannot be passed through.
   for (const std::uint32_t m : moving_) {
     const Collider& mover = colliders_.collider(m);
     const Aabb before{mover.needed.min - way_[m], mover.needed.max - way_[m]};

@@ -10,7 +10,7 @@
 
 namespace tandem::collision {
 
-/// Finds what is in sensors, and what has passed through them since the last time.
+/// Finds the colliders that are in sensors, and those that passed through since the last update.
 class Sensors {
  public:
   /// @param[out] inside   ascending
@@ -23,7 +23,7 @@ class Sensors {
   void forget();
 
  private:
-  /// Where a collider was at the last update.
+  /// State of a collider at the last update.
   struct Last {
     bool known = false;
     std::uint32_t generation = 0;
@@ -39,7 +39,7 @@ class Sensors {
 
   QueryColliders colliders_;
   std::vector<Last> last_;
-  std::vector<pbd::Vec3> way_;         ///< m, by slot: straight way since the last update
+  std::vector<pbd::Vec3> way_;         ///< m, by slot: straight path since the last update
   std::vector<std::uint32_t> moving_;  ///< slots of colliders that may have passed through
   double time_ = 0.0;                  ///< s, of the world at the last update
 };

@@ -14,7 +14,7 @@ namespace {
 using pbd::Mat3;
 using pbd::Vec3;
 
-/// m: a size above this is a slip of units, and its square would lose the rest of the scene.
+/// m: a larger size is a mistake of units, and its square would swamp the rest of the scene.
 constexpr double kMaxSize = 1e6;
 
 bool fail(std::string* error, const char* field, double value, const char* rule) {
@@ -98,8 +98,8 @@ struct Weigher {
     const double length = 2.0 * c.half_height;
     const double cylinder = density * std::numbers::pi * r2 * length;
     const double ball = density * 4.0 / 3.0 * std::numbers::pi * r2 * c.radius;
-    // Each half ball: 83/320 m r^2 about its own centroid, which lies 3/8 r beyond the segment;
-    // moved to the middle this gives 2/5 r^2 + L^2/4 + 3/8 L r for the two together.
+    // Each half ball: 83/320 m r^2 about its own centroid, which is 3/8 r beyond the segment; moved
+    // to the middle this gives 2/5 r^2 + L^2/4 + 3/8 L r for both.
     const double side = cylinder * (length * length / 12.0 + 0.25 * r2) +
                         ball * (0.4 * r2 + 0.25 * length * length + 0.375 * length * c.radius);
     const double axial = 0.5 * cylinder * r2 + 0.4 * ball * r2;
@@ -133,7 +133,7 @@ struct Weigher {
     if (!m->closed()) {
       pbd::detail::refuse("mass_properties: shape", "a closed mesh", "a Mesh with a border");
     }
-    // Sum of signed tetrahedra from a corner of the mesh, which keeps round-off small far away.
+    // Sum of signed tetrahedra from a corner of the mesh, to limit round-off far from the origin.
     const Vec3 origin = m->vertices()[0];
     double volume = 0.0;
     Vec3 first = Vec3::Zero();

@@ -11,11 +11,11 @@
 namespace tandem::collision {
 namespace {
 
-/// m: nearer than this a difference of two points has no direction.
+/// m: a shorter difference of two points has no direction.
 constexpr double kNoDirection = 1e-9;
 
-/// All in the shape's frame: the nearest point of the core, the unit normal out of the core, and
-/// the distance along it.
+/// In the shape's frame: the nearest point of the core, the unit normal out of the core, and the
+/// distance along it.
 struct Nearest {
   Vec3 point = Vec3::Zero();
   Vec3 out = Vec3::UnitZ();
@@ -48,8 +48,8 @@ struct Flat {
   double r, z;
 };
 
-/// A solid of revolution about z by the outline of its half section: corners (r, z) from the axis
-/// round to the axis, counter-clockwise with r to the right; the axis is no side.
+/// A solid of revolution about z, by the outline of its half section: corners (r, z) from axis to
+/// axis, counter-clockwise with r to the right; the axis itself is no side.
 Nearest on_outline(const Vec3& p, const Flat* outline, int count) {
   const double r = pbd::portable::hypot(p.x(), p.y());
   const Vec3 radial = r > kNoDirection ? Vec3(p.x() / r, p.y() / r, 0.0) : Vec3(Vec3::UnitX());

@@ -8,12 +8,12 @@
 
 namespace tandem::collision {
 
-/// Contact of a sphere's centre with a shape, relative to the centre, in the world's axes.
+/// Contact of a sphere with a shape, relative to the sphere's centre, in the world's axes.
 struct SphereContact {
   Vec3 normal = Vec3::UnitZ();  ///< unit, from the sphere to the shape
   Vec3 on_b = Vec3::Zero();     ///< m, on the shape's core
   double distance = 0.0;        ///< m, along the normal to on_b; negative inside
-  double radius_b = 0.0;        ///< m, of the shape about its core
+  double radius_b = 0.0;        ///< m, of the shape around its core
 };
 
 /// Whether sphere_contact() knows the kind.
@@ -21,7 +21,7 @@ inline bool has_sphere_contact(Kind kind) {
   return (kind < Kind::Triangles && kind != Kind::Polytope) || kind == Kind::HalfSpace;
 }
 
-/// Whether two spheres are too far apart for a contact within the step, whichever way they move.
+/// Whether two spheres are too far apart for a contact within the step, in any direction of motion.
 inline bool spheres_apart(const Collider& a, const Collider& b) {
   const double reach = 0.5 * (a.size + b.size) +
                        std::min(a.margins.speculative, b.margins.speculative) +
@@ -31,9 +31,8 @@ inline bool spheres_apart(const Collider& a, const Collider& b) {
 }
 
 /// Closed forms for a sphere at `centre` (m, world). The collision library has the same ones for
-/// spheres, capsules, boxes and half-spaces and gives the same answers (0.08 to 0.12 us, one or two
-/// allocations a query); here they cost a fifth of that and allocate nothing, so that spheres need
-/// no cache at all.
+/// spheres, capsules, boxes and half-spaces, with the same results (0.08 to 0.12 us, one or two
+/// allocations a query); these cost a fifth and allocate nothing, so spheres need no cache.
 /// @pre has_sphere_contact(b.kind)
 SphereContact sphere_contact(const Vec3& centre, const Collider& b);
 

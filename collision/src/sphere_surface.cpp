@@ -15,11 +15,11 @@ namespace {
 /// m: a centre nearer than this to a point has no direction from it.
 constexpr double kOnSurface = 1e-7;
 
-/// A triangle by its corners, and what a sphere wants of it.
+/// A triangle as a sphere needs it.
 struct Facet {
   Vec3 p, q, r, front;
 
-  /// How a sphere's centre lies: where it is on the front's side, or over the triangle.
+  /// Position of a sphere's centre: on the front's side, or over the triangle.
   /// @return whether there may be a contact
   bool touch(const Vec3& centre, SphereTouch& touch) const {
     const double height = front.dot(centre - p);
@@ -40,7 +40,7 @@ struct Facet {
   }
 };
 
-/// What touch_surface() is asked.
+/// Input of touch_surface().
 struct Ball {
   Vec3 centre;
   double radius;
@@ -48,7 +48,7 @@ struct Ball {
   Vec3 sweep;
 };
 
-/// Whether the triangle is so near that its distance matters.
+/// Whether the triangle is near enough for its distance to matter.
 [[gnu::always_inline]] inline bool in_reach(const Vec3& p, const Vec3& q, const Vec3& r,
                                             const Vec3& front, const Ball& ball,
                                             std::span<const PatchTrace> previous) {
@@ -64,8 +64,8 @@ struct Ball {
   return true;
 }
 
-/// Where the ball will meet the triangle. On a surface that rises ahead, other triangles stop the
-/// ball first, and its way may end over this one.
+/// Where the ball will meet the triangle. On a rising surface other triangles stop the ball first,
+/// and its path may end over this one.
 /// @return whether there may be a contact
 bool meet(const Facet& facet, const Ball& ball, SphereTouch& touch) {
   const double size = 2.0 * ball.radius;
@@ -94,7 +94,7 @@ bool meet(const Facet& facet, const Ball& ball, SphereTouch& touch) {
   return met;
 }
 
-/// Adds the triangle, where it is near enough.
+/// Adds the triangle if it is near enough.
 template <class Surface>
 void look_at(const Surface& surface, std::uint32_t triangle, const Ball& ball,
              std::span<const PatchTrace> previous, std::vector<SphereTouch>& near) {
@@ -133,7 +133,7 @@ void touch_surface(const Vec3& centre, double radius, double margin, const Vec3&
     return l.rank != r.rank ? l.rank < r.rank : l.triangle < r.triangle;
   });
   for (SphereTouch& touch : near) {
-    // Nearer ones of the same normal stand for it. Regions are looked at last: it is dear.
+    // A nearer one of the same normal replaces it. Regions are tested last, being expensive.
     const bool taken = std::any_of(touches.begin(), touches.end(), [&](const SphereTouch& t) {
       return t.normal.dot(touch.normal) >= kSameNormal;
     });

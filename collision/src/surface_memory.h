@@ -11,26 +11,25 @@
 #include "contact_patch.h"
 #include "tandem/collision/triangle_mesh.h"
 
-// What spheres and other convex shapes on a TriangleMesh or a HeightField have in common: which
-// triangles are near, and which contact carries on which one of the last step.
+// Common to spheres and other convex shapes on a TriangleMesh or a HeightField: the search for near
+// triangles, and matching of contacts with those of the last step.
 
 namespace tandem::collision {
 
-/// Cosine above which a cluster carries on one of the last step.
+/// Cosine above which a cluster continues one of the last step.
 inline constexpr double kSameAsBefore = 0.9;
-/// Cosine above which two normals are one, and noise between them. Where planes up to 8 degrees
-/// apart were one manifold, what rolled in a bowl of them sank into the next and was lifted: a ball
-/// came to 8 times its energy in 10 s, a cylinder to twice.
+/// Cosine above which two normals count as one. With planes up to 8 degrees apart in one manifold,
+/// bodies rolling in a bowl sank into the next plane and were lifted: a ball came to 8 times its
+/// energy in 10 s, a cylinder to twice.
 inline constexpr double kSameNormal = 1.0 - 1e-6;
 /// Sine by which a normal may leave a Voronoi region.
 inline constexpr double kRegionSlop = 1e-4;
-/// m by which a point may lie beside a triangle and still count as over it.
+/// m by which a point may be beside a triangle and still count as over it.
 inline constexpr double kOver = 1e-6;
-/// By what share of its size the box is wider that triangles are searched for.
+/// Share of its size by which the search box for triangles is widened.
 inline constexpr double kListShare = 0.25;
 
-/// Whether a point is over the triangle p, q, r or under it, or beside it by no more than `slop`,
-/// m.
+/// Whether a point is over or under the triangle p, q, r, or beside it by no more than `slop`, m.
 inline bool spans(const Vec3& front, const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& point,
                   double slop) {
   const auto inside = [&](const Vec3& from, const Vec3& to) {
@@ -40,7 +39,7 @@ inline bool spans(const Vec3& front, const Vec3& p, const Vec3& q, const Vec3& r
   return inside(p, q) && inside(q, r) && inside(r, p);
 }
 
-/// What is remembered of a patch of the last step, normal in the mesh frame.
+/// A patch of the last step, normal in the mesh frame.
 struct PatchTrace {
   Vec3 normal_l;
   std::array<std::uint32_t, 4> features;
@@ -54,8 +53,8 @@ inline bool was_touched(std::span<const PatchTrace> previous, const Vec3& front_
   });
 }
 
-/// The patch of the last step that the cluster carries on, or null.
-/// @param taken  what has a `cluster` already
+/// The patch of the last step that the cluster continues, or null.
+/// @param taken  entries that have a `cluster` already
 const PatchTrace* match(const Vec3& normal_l, std::span<const PatchTrace> previous,
                         const auto& taken) {
   const PatchTrace* best = nullptr;
@@ -82,7 +81,7 @@ std::uint32_t free_number(std::span<const PatchTrace> previous, const auto& take
   }
 }
 
-/// Fill the list, unless it still holds: searched for a box somewhat larger than asked.
+/// Fills the list, unless it is still valid; searches a box somewhat larger than needed.
 void find_triangles(const auto& surface, const Aabb& bounds, TriangleList& list) {
   if (list.filled && Aabb{list.min, list.max}.contains(bounds)) {
     const Vec3 slack = (list.max - list.min) - (bounds.max - bounds.min);

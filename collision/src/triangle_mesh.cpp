@@ -16,7 +16,7 @@ using pbd::Vec3;
 
 /// Triangles in a leaf of the search tree.
 constexpr std::uint32_t kLeafSize = 4;
-/// Twice the area over the square of the longest edge, below which a triangle is a line.
+/// Twice the area over the square of the longest edge, below which a triangle is degenerate.
 constexpr double kMinArea = 1e-9;
 /// Share of an edge's length within which another one runs along it.
 constexpr double kJunction = 1e-6;
@@ -25,7 +25,7 @@ bool before(const Vec3& l, const Vec3& r) {
   return std::lexicographical_compare(l.data(), l.data() + 3, r.data(), r.data() + 3);
 }
 
-/// One side of an edge, sortable so that both sides of an edge come together.
+/// One side of an edge; sorting brings both sides of an edge together.
 struct HalfEdge {
   std::uint32_t low, high, triangle;
   int k;
@@ -62,7 +62,7 @@ std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vec3> ver
       }
     }
   }
-  // Not make_shared: the constructor is private.
+  // make_shared cannot call the private constructor.
   const std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
   mesh->weld(vertices, triangles);
   std::vector<Link> links = mesh->find_neighbours();
@@ -78,7 +78,7 @@ void TriangleMesh::weld(std::span<const Vec3> vertices, std::span<const Triangle
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t l, std::uint32_t r) {
     return before(vertices[l], vertices[r]);
   });
-  // Equal positions take the lowest index among them, then the indices close up in old order.
+  // Equal positions take the lowest of their indices, then indices are compacted in the old order.
   std::vector<std::uint32_t> first(vertices.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const bool same = i > 0 && vertices[order[i]] == vertices[order[i - 1]];
@@ -170,8 +170,8 @@ void TriangleMesh::find_rings(std::span<const Link> links) {
   for (const Link& link : links) ring_[at[link[0]]++] = link[1];
 }
 
-/// Where along edge k of `triangle` edge j of `other` runs the other way: from and to, m from the
-/// edge's first corner, or beyond its ends; nothing where it does not.
+/// Interval of edge k of `triangle` along which edge j of `other` runs in the opposite direction:
+/// from and to, m from the edge's first corner, or beyond its ends; nothing if it does not.
 std::optional<std::array<double, 2>> TriangleMesh::common_border(std::uint32_t triangle, int k,
                                                                  std::uint32_t other, int j) const {
   const Vec3& first = vertices_[triangles_[triangle][k]];
@@ -243,7 +243,7 @@ void TriangleMesh::build_tree() {
     for (std::uint32_t j = begin; j < begin + size; ++j) box = box.merged(boxes[order_[j]]);
     nodes_[i].box = box;
     if (size <= kLeafSize) continue;
-    // Split at the median of the longest axis: balanced whatever the mesh.
+    // Split at the median of the longest axis: balanced for any mesh.
     int axis = 0;
     (box.max - box.min).maxCoeff(&axis);
     const std::uint32_t half = size / 2;

@@ -13,21 +13,21 @@
 
 namespace tandem::collision {
 
-/// The colliders that a step looks at: those of bodies that may move, and of the others those that
-/// have come, or whose body has changed, until they lie still.
+/// The colliders that a step looks at: those of bodies that may move, and others that were added or
+/// whose body has changed, until they rest.
 class WatchedColliders {
  public:
   /// Ascending, between update() and the next add().
   std::span<const std::uint32_t> list() const { return list_; }
   void add(std::uint32_t collider);
-  /// Bring the list up to date with the world.
+  /// Updates the list from the world.
   void update(const pbd::World& world, std::span<const Collider> colliders,
               const pbd::ByBody& by_body);
-  /// Leave out what lies still.
+  /// Removes colliders at rest.
   void leave_still(const pbd::World& world, std::span<const Collider> colliders);
-  /// Give back memory that the list does not need.
+  /// Frees memory that the list does not need.
   void trim() { give_back(list_); }
-  /// The next update() looks at all colliders.
+  /// Makes the next update() look at all colliders.
   void forget() { seen_ = {}; }
 
  private:

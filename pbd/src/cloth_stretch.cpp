@@ -116,8 +116,7 @@ void ClothBlock::Sweep::run_real(const ClothRows& rows, const SubstepContext& ct
              passive.turn + share * (moved.turn - passive.turn)};
   }
   move_from_start(ctx, stretched_.full);
-  violations(rows, ctx.bodies, ctx.group,
-             bounds);  // kept by joints that iterate on
+  violations(rows, ctx.bodies, ctx.group, bounds);  // kept by joints that iterate on
 }
 
 }  // namespace tandem::pbd
