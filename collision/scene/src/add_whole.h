@@ -9,9 +9,9 @@
 
 namespace tandem::detail {
 
-/// Add to a scene what belongs together: all of it, or nothing. Where `add` throws, the bodies that
-/// it has put into `parts` go again with all that names them, the last one first, so that the next
-/// ones get their slots in the same order; and blocks of rows go that were not there before.
+/// Adds several bodies to a scene, all or nothing. If `add` throws, the bodies that it has put into
+/// `parts` are removed with everything that names them, last one first, so that their slots are
+/// reused in the same order; blocks of rows added meanwhile are removed too.
 template <class Add>
 void add_whole(Scene& scene, const std::vector<BodyId>& parts, Add&& add) {
   pbd::World& world = scene.world();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// An object of its own: a program without cars links nothing of them.
+// A translation unit of its own: programs without cars do not link it.
 #include "tandem/car.h"
 
 #include <cmath>
@@ -77,7 +77,7 @@ Car::Car(Scene& scene, const CarDef& def) : scene_(&scene), def_(def) {
   });
 }
 
-/// m, where the wheel is in the frame of the chassis, springs at ease.
+/// m, place of the wheel in the frame of the chassis at rest length of the springs.
 Vec3 Car::hub(int wheel) const {
   return {(wheel < 2 ? 0.5 : -0.5) * def_.wheelbase, (wheel % 2 == 0 ? 0.5 : -0.5) * def_.track,
           def_.axle_height};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// An object of its own: a program without characters links nothing of them.
+// A translation unit of its own: programs without characters do not link it.
 #include "tandem/character.h"
 
 #include <algorithm>
@@ -24,9 +24,9 @@ using detail::ClipPlanes;
 using detail::kShortest;
 using detail::without;
 
-/// m/s: what comes faster is seen too late, and meets the body as a wall.
+/// m/s: faster bodies are seen too late, and hit the character as a wall.
 constexpr double kFastest = 30.0;
-/// m, from an edge that the capsule touches into what the edge belongs to.
+/// m, from a touched edge into the collider that the edge belongs to.
 constexpr double kBehindEdge = 0.01;
 
 void check(const CharacterDef& def) {
@@ -69,16 +69,16 @@ class __attribute__((visibility("hidden"))) Character::Impl {
   Scene& scene;
   CharacterDef def;
   BodyId body;
-  Vec3 velocity = Vec3::Zero();  ///< m/s, world; on the ground what it had in the last walk()
+  Vec3 velocity = Vec3::Zero();  ///< m/s, world; on the ground: that of the last walk()
   double jump_speed = 0.0;       ///< m/s, of the next walk()
   Footing footing = Footing::Air;
   BodyId ground;
-  Vec3 ground_normal = Vec3::UnitZ();  ///< of the surface, whatever edge of it is touched
+  Vec3 ground_normal = Vec3::UnitZ();  ///< of the surface, not of a touched edge
   Vec3 ground_point = Vec3::Zero();    ///< m, world
   Vec3 up = Vec3::UnitZ();
 
  private:
-  /// What a body does in the step to come.
+  /// Motion of a body in the coming step.
   struct Motion {
     Pose from, to;
     Vec3 of(const Vec3& point_w) const { return to.to_world(from.to_local(point_w)) - point_w; }
@@ -90,7 +90,7 @@ class __attribute__((visibility("hidden"))) Character::Impl {
   bool walkable(const Vec3& normal) const {
     return normal.dot(up) >= pbd::portable::sin_cos(def.max_slope).cos;
   }
-  /// m, of its middle above the ground.
+  /// m, height of its centre above the ground.
   double feet() const { return def.shape.half_height + def.shape.radius + def.padding; }
   bool yields(BodyId id) const { return scene.world().props(id).inverse_mass > 0.0; }
   Vec3 gravity() const { return scene.world().gravity(); }
@@ -113,20 +113,20 @@ class __attribute__((visibility("hidden"))) Character::Impl {
   Vec3 position = Vec3::Zero();                  ///< m, world, during walk()
   Vec3 before = Vec3::Zero();                    ///< m/s, world, after the last walk()
   QueryFilter filter;
-  BodyId passed;            ///< left out of casts
-  std::vector<BodyId> met;  ///< likewise: meet() has dealt with them
+  BodyId passed;            ///< skipped by casts
+  std::vector<BodyId> met;  ///< skipped by casts: meet() has handled them
   std::vector<ClosestHit> near;
 };
 
-/// m, how far the capsule may go on `way` and keep its padding; hit is what it meets, none where it
-/// gets to the end.
+/// m, how far the capsule may go along `way` and keep its padding; sets `hit` to the obstacle, or
+/// to none if it reaches the end.
 double Character::Impl::advance(const Vec3& way, std::optional<CastHit>& hit) const {
   const double length = way.norm();
   const double reach = length + def.padding;
   hit = cast(way * (reach / length));
   if (!hit) return length;
   const double towards = -way.dot(hit->normal) / length;
-  if (towards <= 1e-6) {  // along it, or out of it
+  if (towards <= 1e-6) {  // moves along it, or out of it
     hit.reset();
     return length;
   }
@@ -135,7 +135,7 @@ double Character::Impl::advance(const Vec3& way, std::optional<CastHit>& hit) co
   return std::clamp(free, 0.0, length);
 }
 
-/// Of the collider where it was hit; at an edge, of the walkable surface behind it where there is
+/// Normal of the collider at the hit; at an edge, that of a walkable surface behind it if there is
 /// one.
 Vec3 Character::Impl::surface_normal(const CastHit& hit) const {
   const Vec3 aside = without(hit.normal, up);
@@ -164,7 +164,7 @@ bool Character::Impl::moves(BodyId id, double dt) const {
          its.from.orientation.coeffs() != its.to.orientation.coeffs();
 }
 
-/// Out of the padding of what it stands on, and of what does not yield.
+/// Moves out of the padding of its ground, and of immovable bodies.
 void Character::Impl::separate() {
   for (int i = 0; i < 4; ++i) {
     near.clear();
@@ -185,7 +185,7 @@ void Character::Impl::leave_ground() {
   ground_normal = up;
 }
 
-/// What is below, within `reach` (m) of where the padding ends. @return m, how far down it is
+/// Finds the ground within `reach` (m) below the padding. @return m, distance to it
 double Character::Impl::probe(double reach) {
   std::optional<CastHit> hit;
   const double down = advance(-reach * up, hit);
@@ -200,8 +200,8 @@ double Character::Impl::probe(double reach) {
   return down;
 }
 
-/// Exchange momentum with what moves and will touch within the step, and go no faster towards it
-/// than it goes away. Casts, which would see it where it is now, leave it out after that.
+/// Exchanges momentum with moving bodies that it will touch within the step, and limits its own
+/// approach to their speed. Later casts skip them, as these would see them at their current place.
 void Character::Impl::meet(double dt, const Vec3& carried) {
   met.clear();
   near.clear();
@@ -226,20 +226,20 @@ void Character::Impl::strike(const ClosestHit& hit, double dt, const Vec3& carri
     const Vec3 arm_l = world.pose(hit.body).orientation.conjugate() * arm;
     const double ease = props.inverse_mass + arm_l.dot(props.inverse_inertia * arm_l);
     const double mass = 1.0 / (1.0 / def.mass + ease);
-    // What runs into it does so with all it has, and with nothing once both go alike; all else is
-    // its own push, whatever its speed.
+    // A body that runs into it does so with all its momentum, until both have the same velocity.
+    // The rest is the character's own push, at any speed.
     const double runs_in = comes - carried.dot(n) - std::max(0.0, (before - carried).dot(n));
     const double blow = std::min((comes - goes) * mass, std::max(0.0, runs_in) * mass);
     const double push = std::min((comes - goes) * mass - blow, def.max_push * dt);
     if (blow > 0.0) world.apply_impulse(hit.body, -blow * n, hit.on_collider);
-    // As a force, which friction may hold from the start.
+    // As a force, which friction may resist from the start.
     if (push > 0.0) world.apply_force(hit.body, -push / dt * n, hit.on_collider);
     comes -= ease * (blow + push);
   }
   velocity += std::max(0.0, comes - gap / dt - goes) * n;
 }
 
-/// Along what is in the way, up steps where it stands; the velocity loses what that takes.
+/// Slides along obstacles, up steps if it stands; the velocity loses the blocked part.
 void Character::Impl::slide(Vec3 way, bool stands) {
   ClipPlanes planes;
   for (int i = 0; i < ClipPlanes::kMax && way.norm() > kShortest; ++i) {
@@ -256,7 +256,7 @@ void Character::Impl::slide(Vec3 way, bool stands) {
       continue;
     }
     if (stands && !yields(hit->body) && step_up(without(way, up))) return;
-    // What is too steep to walk on is a wall to those who would be lifted by it.
+    // A slope too steep to walk on is a wall if the motion would climb it.
     const double lift = without(way, normal).dot(up);
     const Vec3 aside = without(normal, up);
     if (normal.dot(up) > 0.0 && lift > std::max(0.0, way.dot(up)) && aside.norm() > 1e-6) {
@@ -268,7 +268,7 @@ void Character::Impl::slide(Vec3 way, bool stands) {
   }
 }
 
-/// Up, on and down again, where that ends on something that it can stand on.
+/// Up, forward and down again, if that ends on walkable ground.
 bool Character::Impl::step_up(const Vec3& way) {
   const double length = way.norm();
   if (length < kShortest || def.max_step == 0.0) return false;
@@ -288,12 +288,12 @@ bool Character::Impl::step_up(const Vec3& way) {
   return false;
 }
 
-/// The velocity that it begins the step with: relative to the ground where it stands, of the world
-/// in the air, where half of what gravity adds comes after the step.
+/// Initial velocity of the step: relative to the ground if it stands, else in the world, where half
+/// of the gravity increment comes after the step.
 bool Character::Impl::start(const Vec3& level, const Vec3& carried, double dt) {
   if (footing == Footing::Ground && jump_speed == 0.0) {
     velocity = level - up * (level.dot(ground_normal) / ground_normal.dot(up));
-    // As a force, which what holds the ground up may bear within the step.
+    // As a force, which supports of the ground may carry within the step.
     if (yields(ground)) scene.world().apply_force(ground, def.mass * gravity(), ground_point);
     return true;
   }
@@ -319,14 +319,14 @@ void Character::Impl::fall(double dt) {
   }
 }
 
-/// Down to what it walks on or falls to.
+/// Moves down to the ground that it walks on or falls to.
 void Character::Impl::settle(bool stands, double dt) {
   met.clear();
-  const double rise = std::max(0.0, velocity.dot(up) * dt);  // of what lifts it from below
+  const double rise = std::max(0.0, velocity.dot(up) * dt);  // of a ground that lifts it
   const double down = probe(stands ? def.max_step : def.padding + rise);
   if (footing != Footing::Ground) return;
   const Vec3 floor = motion(ground, dt).of(ground_point) / dt;
-  if (!stands && (velocity - floor).dot(up) > 1e-3) {  // on its way up
+  if (!stands && (velocity - floor).dot(up) > 1e-3) {  // moving up
     leave_ground();
     return;
   }
@@ -355,7 +355,7 @@ void Character::Impl::walk(const Vec3& wanted, double dt) {
   if (!stands) fall(0.5 * dt);
   settle(stands, dt);
   if (stands && footing == Footing::Ground) {
-    // Last, as all else was where the ground is before the step.
+    // Last, since everything above used the ground's place before the step.
     passed = ground;
     carried = motion(ground, dt).of(ground_point) / dt;
     slide(carried * dt, false);

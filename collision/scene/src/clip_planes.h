@@ -10,24 +10,24 @@ namespace tandem::detail {
 
 using pbd::Vec3;
 
-inline constexpr double kShortest = 1e-7;  ///< m: shorter ways are none
+inline constexpr double kShortest = 1e-7;  ///< m: shorter paths count as 0
 
-/// The part of v across the unit vector `axis`.
+/// The part of v perpendicular to the unit vector `axis`.
 inline Vec3 without(const Vec3& v, const Vec3& axis) { return v - v.dot(axis) * axis; }
 
-/// The planes that a way has met so far.
+/// The planes that a path has met so far.
 class ClipPlanes {
  public:
   static constexpr int kMax = 5;
 
-  /// One more. @return false where there is no room
+  /// Adds a plane. @return false if there is no room
   bool add(const Vec3& normal) {
     if (count_ == kMax) return false;
     normals_[count_++] = normal;
     return true;
   }
-  /// What is left of `way` along all of them, the last one first: along a plane, else along the
-  /// crease of two, else nothing. Never longer than before.
+  /// Clips `way` to all planes, the last one first: along a plane, else along the crease of two,
+  /// else 0. Never longer than before.
   Vec3 clip(const Vec3& way) const {
     const Vec3& last = normals_[count_ - 1];
     if (way.dot(last) >= 0.0) return way;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// An object of its own: a program without cloth links nothing of it.
+// A translation unit of its own: programs without cloth do not link it.
 #include "tandem/cloth.h"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ void check(const ClothDef& def) {
   require(def.rows >= 2 && def.rows <= kMaxParticles, kKind, "rows", def.rows, "from 2 to 10000");
 }
 
-/// Of particles along a side: half a share at the ends.
+/// Share of mass of a particle on a side: half at the ends.
 double share_at(int index, int count) { return index == 0 || index + 1 == count ? 0.5 : 1.0; }
 
 }  // namespace
@@ -71,8 +71,8 @@ BodyId Cloth::particle(int column, int row) const {
   return particles_[static_cast<std::size_t>(row * def_.columns + column)];
 }
 
-/// From a particle on, by so many columns and rows a time, to the edge of the cloth.
-/// @param stiffness  N: force for each strain; 0 = it does not stretch
+/// Adds a strand from a particle to the edge of the cloth, by so many columns and rows per link.
+/// @param stiffness  N: force per strain; 0 = it does not stretch
 void Cloth::add_strand(int column, int row, int across, int along, double stiffness) {
   const double dx = across * def_.width / (def_.columns - 1);
   const double dy = along * def_.height / (def_.rows - 1);
@@ -90,7 +90,7 @@ void Cloth::add_strand(int column, int row, int across, int along, double stiffn
 
 void Cloth::add_strands() {
   const double dx = def_.width / (def_.columns - 1), dy = def_.height / (def_.rows - 1);
-  // The soft ones first: threads that do not stretch have the last word in a sweep.
+  // Soft strands first: inextensible threads come last in a sweep.
   if (def_.shearing > 0.0) {
     const double diagonal = std::sqrt(dx * dx + dy * dy);
     const double stiffness = def_.shearing * dx * dy / diagonal;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// An object of its own: a program that draws nothing links nothing of it.
+// A translation unit of its own: programs that draw nothing do not link it.
 #include "tandem/debug_draw.h"
 
 #include <cmath>
@@ -20,7 +20,7 @@ using pbd::Vec3;
 
 constexpr int kChords = 24;            ///< of a full ring
 constexpr double kNormalLength = 0.1;  ///< m
-constexpr double kPlane = 10.0;        ///< m, half of the square of a half-space
+constexpr double kPlane = 10.0;        ///< m, half of a half-space's square
 
 /// Draws in the frame of a shape.
 class Pen {
@@ -82,7 +82,7 @@ class Pen {
   void line(const Vec3& from, const Vec3& to) {
     out_.line(pose_.to_world(from), pose_.to_world(to), kind_);
   }
-  /// From middle + u through middle + v on.
+  /// From middle + u through middle + v.
   void arc(const Vec3& middle, const Vec3& u, const Vec3& v, int chords) {
     const double chord = 2.0 * std::numbers::pi / kChords;
     for (int i = 0; i < chords; ++i) {

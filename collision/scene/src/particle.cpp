@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// An object of its own: a program without cloth and ropes links nothing of it.
+// A translation unit of its own: programs without cloth and ropes do not link it.
 #include "particle.h"
 
 #include <cmath>

@@ -7,7 +7,7 @@
 
 namespace tandem::detail {
 
-/// What the particles of one cloth or rope have in common.
+/// Common properties of the particles of a cloth or rope.
 struct ParticleKind {
   double radius = 0.0;   ///< m
   double damping = 0.0;  ///< 1/s
@@ -17,16 +17,16 @@ struct ParticleKind {
 
 /// @throws std::invalid_argument naming field, value and rule
 void check(const ParticleKind& kind, std::string_view name);
-/// A point mass with a ball about it. @param position  m, world     @param mass  kg
+/// A point mass with a ball for contacts. @param position  m, world     @param mass  kg
 pbd::BodyId add_particle(Scene& scene, const ParticleKind& kind, const pbd::Vec3& position,
                          double mass);
-/// The world's block of cloth; made where there is none.
+/// The world's block of cloth; added if there is none.
 pbd::ClothBlock& cloth_of(pbd::World& world);
-/// Hold a particle where it now is on the host. It touches nothing from then on: it lies in what it
-/// is attached to.
+/// Attaches a particle to the host at its current place. It touches nothing from then on, as it is
+/// inside its host.
 pbd::ClothRowId attach(pbd::World& world, collision::CollisionScene& shapes, pbd::BodyId particle,
                        pbd::BodyId host);
-/// A point between two that resists bending. @param stiffness  N/m, of C = x_a - 2 x_m + x_b
+/// Bending row of a point between two. @param stiffness  N/m, of C = x_a - 2 x_m + x_b
 void add_bending(pbd::World& world, pbd::BodyId a, pbd::BodyId middle, pbd::BodyId b,
                  double stiffness);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// An object of its own: a program without ragdolls links nothing of them.
+// A translation unit of its own: programs without ragdolls do not link it.
 #include "tandem/ragdoll.h"
 
 #include <cmath>
@@ -15,18 +15,18 @@ namespace {
 
 using Part = Ragdoll::Part;
 
-/// Shares of height, but for angles (rad) and the share of mass. Sides: the left one; the right one
-/// is its mirror image.
+/// Shares of height, except angles (rad) and the share of mass. Describes the left side; the right
+/// one is its mirror image.
 struct Limb {
   double mass = 0.0;
-  double side = 0.0;    ///< of its middle, to the left
+  double side = 0.0;    ///< of its centre, to the left
   double top = 0.0;     ///< above the ground
-  double bottom = 0.0;  ///< likewise
+  double bottom = 0.0;  ///< above the ground
   double radius = 0.0;  ///< of a capsule; a box has this depth and the next half width
   double half_width = 0.0;
 };
 
-/// How a part hangs on its parent: a hinge where `hinge` is set, from 0 to `swing`; else a cone.
+/// Joint to the parent: a hinge from 0 to `swing` if `hinge` is set; else a cone.
 struct Hold {
   Part parent = Part::Pelvis;
   double height = 0.0;  ///< share of height, of the joint
@@ -40,8 +40,8 @@ struct Piece {
   Hold hold;
 };
 
-/// m/s and rad/s: slower limbs may rest. Those that lie on each other slide on for long at a few
-/// millimetres a second; with the solver's thresholds of twelve heaps of nine none sleeps.
+/// m/s and rad/s: slower limbs count as at rest. Limbs on each other slide on for long at a few
+/// millimetres a second; with the solver's thresholds none of twelve heaps of nine sleeps.
 constexpr double kRestSpeed = 0.03;
 constexpr double kRestSpin = 0.3;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// An object of its own: a program without ropes links nothing of them.
+// A translation unit of its own: programs without ropes do not link it.
 #include "tandem/rope.h"
 
 #include <cmath>
@@ -33,7 +33,7 @@ void check(const RopeDef& def) {
           "finite and >= 0");
 }
 
-/// Where it hangs to first: half a length from both ends.
+/// Initial lowest point: half a length from both ends.
 Vec3 lowest(const RopeDef& def, double length, const Vec3& gravity) {
   const Vec3 middle = 0.5 * (def.from + def.to);
   const Vec3 along = def.to - def.from;
@@ -41,7 +41,7 @@ Vec3 lowest(const RopeDef& def, double length, const Vec3& gravity) {
   if (along.norm() > 0.0) {
     const Vec3 n = along.normalized();
     down -= down.dot(n) * n;
-    // What is straight up and down hangs to its side.
+    // A vertical rope bulges to its side.
     if (down.norm() < 1e-6) down = n.unitOrthogonal();
     down.normalize();
   }

@@ -26,7 +26,7 @@ pbd::BodyDef body_of(const SolidDef& def, const collision::MassProperties& solid
                     .sleep_spin = def.sleep_spin,
                     .stable_id = def.stable_id,
                     .user_data = def.user_data};
-  if (!solid.com.isZero(0.0)) {  // -0 would not be the same bits
+  if (!solid.com.isZero(0.0)) {  // otherwise -0 would change bits
     body.pose.position = def.pose.to_world(solid.com);
     body.origin = -solid.com;
   }
@@ -52,8 +52,7 @@ void require_volume(const collision::Shape& shape) {
   }
 }
 
-/// What a body of such a shape, or of such shapes, weighs; nothing is asked where it is not
-/// dynamic.
+/// Mass properties of a body of the given shape or shapes; not computed unless it is dynamic.
 template <class Matter>
 collision::MassProperties weigh(const Matter& matter, const SolidDef& def) {
   if (def.type != BodyType::Dynamic) return {};
@@ -83,7 +82,7 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
     world.set_contact_source(&shapes);
   }
 
-  /// A body, and what `attach` gives it: it is told the body and how its shapes lie in it.
+  /// Adds a body and what `attach` gives it, which gets the body and the pose of its shapes in it.
   BodyId add(const SolidDef& def, const collision::MassProperties& solid, auto&& attach) {
     const BodyId id = world.add_body(body_of(def, solid));
     try {
@@ -98,15 +97,15 @@ class __attribute__((visibility("hidden"))) Scene::Impl {
     return id;
   }
 
-  collision::CollisionScene shapes;  ///< lives longer than the world, which asks it
+  collision::CollisionScene shapes;  ///< outlives the world, which uses it
   pbd::World world;
   pbd::Solver solver;
   collision::ContactEventOptions event_options;
-  std::optional<collision::ContactEvents> events;  ///< none: nobody has asked
-  std::optional<collision::SceneQuery> query;      ///< likewise
+  std::optional<collision::ContactEvents> events;  ///< made on demand
+  std::optional<collision::SceneQuery> query;      ///< made on demand
   /// World::placements() and CollisionScene::changes() that `query` has seen.
   std::pair<std::uint64_t, std::uint64_t> queried;
-  double pending = 0.0;  ///< s, of steps that were too short to be made
+  double pending = 0.0;  ///< s, sum of steps too short to make
 };
 
 Scene::Scene(const SceneOptions& options) : impl_(std::make_unique<Impl>(options)) {}

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// By itself: a program whose scenes have no joints links nothing of them.
+// A translation unit of its own: programs without joints do not link it.
 #include "add_whole.h"
 #include "tandem/scene.h"
 
 namespace tandem {
 
 pbd::JointBlock& Scene::joints() {
-  // Looked for, not kept: it can be removed from the world, or be there before.
+  // Searched each time: it can be removed from the world, or exist before.
   for (const auto& block : world().blocks()) {
     if (auto* const joints = dynamic_cast<pbd::JointBlock*>(block.get())) return *joints;
   }

@@ -10,17 +10,17 @@
 
 namespace tandem {
 
-/// What a line stands for: who draws picks the colours.
+/// Meaning of a line; the application picks the colours.
 enum class DebugKind : std::uint8_t {
   Static,      ///< shapes of static bodies
-  Kinematic,   ///< likewise
-  Awake,       ///< of dynamic ones
-  Asleep,      ///< likewise
+  Kinematic,   ///< shapes of kinematic bodies
+  Awake,       ///< shapes of awake dynamic bodies
+  Asleep,      ///< shapes of sleeping dynamic bodies
   Sensor,      ///< sensors, of any body
-  Contact,     ///< from a point of contact along the normal, 10 cm
-  Force,       ///< from there along the force, by force_scale
-  Joint,       ///< between the centres of mass of bodies that a row of any kind joins
-  Correction,  ///< where agreement moved a body in the last step, from before to now
+  Contact,     ///< 10 cm from a contact point along the normal
+  Force,       ///< from a contact point along the force, times force_scale
+  Joint,       ///< between the centres of mass of bodies joined by any row
+  Correction,  ///< from the pose before agreement moved the body in the last step to the pose now
 };
 
 struct TANDEM_API DebugDrawOptions {
@@ -31,20 +31,20 @@ struct TANDEM_API DebugDrawOptions {
   double force_scale = 1e-3;  ///< m/N
 };
 
-/// What the application implements: lines at least.
+/// Interface for the application: line() is mandatory.
 class TANDEM_API DebugDraw {
  public:
   virtual ~DebugDraw() = default;
 
   /// m, world.
   virtual void line(const pbd::Vec3& from, const pbd::Vec3& to, DebugKind kind) = 0;
-  /// By default its wireframe, of lines: the edges of boxes, hulls, meshes and fields, rings of 24
-  /// chords and four lines along what is round, a square of 20 m of a half-space.
+  /// By default draws a wireframe of lines: edges of boxes, hulls, meshes and fields; rings of 24
+  /// chords and four lines for round shapes; a square of 20 m for a half-space.
   virtual void shape(const collision::Shape& shape, const pbd::Pose& pose, DebugKind kind);
 };
 
-/// Show a world as it is after a step: shapes where they are now, contacts with their forces, rows
-/// that join bodies, and what agreement did. Changes nothing; allocates for the list of rows alone.
+/// Draws a world after a step: shapes at their current poses, contacts with forces, rows that join
+/// bodies, and corrections by agreement. Changes nothing; allocates only the list of rows.
 /// @param shapes  null: none
 TANDEM_API void debug_draw(const pbd::World& world, const collision::CollisionScene* shapes,
                            DebugDraw& out, const DebugDrawOptions& options = {});

@@ -11,26 +11,26 @@
 
 namespace tandem {
 
-/// Its frame stands between the feet: x forward, y left, z up.
+/// The frame is between the feet: x forward, y left, z up.
 struct TANDEM_API RagdollDef {
   Pose pose = {};
   double height = 1.75;  ///< m, > 0
-  double mass = 70.0;    ///< kg, > 0, of all of it
-  double damping = 2.0;  ///< N m s/rad, >= 0, of each joint: how limp it is
+  double mass = 70.0;    ///< kg, > 0, in total
+  double damping = 2.0;  ///< N m s/rad, >= 0, of each joint: lower is limper
   collision::Material material = {};
-  /// A group of its own where that is 0: limbs pass through each other.
+  /// Group 0: a new group, so that limbs pass through each other.
   collision::Filter filter = {};
   std::uint64_t user_data = 0;
 };
 
-/// Somebody who has fainted: eleven bodies on ten joints with the limits of people's.
+/// A limp human: eleven bodies and ten joints with human limits.
 ///
 ///     Ragdoll victim(scene, {.pose = hero_feet, .mass = 80.0});
 ///     scene.step(dt);
 ///
 /// Lengths and masses are those of [winter2009] Fig. 4.1 and Table 4.1, as shares of height and
-/// mass; feet belong to shins and hands to forearms. It stands upright at first, arms down.
-/// Errors: std::invalid_argument naming field, value and rule; the scene is then as it was.
+/// mass; feet are part of shins and hands of forearms. It starts upright, arms down.
+/// Errors: std::invalid_argument naming field, value and rule; the scene is then unchanged.
 /// @par Thread safety  As its scene.
 class TANDEM_API Ragdoll {
  public:
@@ -54,7 +54,7 @@ class TANDEM_API Ragdoll {
 
   const std::array<BodyId, kParts>& bodies() const { return bodies_; }
   BodyId body(Part part) const { return bodies_[part]; }
-  /// What holds the part: spine, neck, shoulder, elbow, hip or knee; of the pelvis none.
+  /// The joint that holds the part: spine, neck, shoulder, elbow, hip or knee; none for the pelvis.
   pbd::JointId joint(Part part) const { return joints_[part]; }
 
  private:
