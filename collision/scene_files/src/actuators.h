@@ -10,14 +10,14 @@
 
 namespace tandem::scene_files {
 
-/// Of all that pulls at a coordinate: force - stiffness * coordinate.
+/// Sum of the forces on a coordinate: force - stiffness * coordinate.
 struct Pull {
-  double force = 0.0;      ///< N or N m, where the coordinate is 0
+  double force = 0.0;      ///< N or N m, at coordinate 0
   double stiffness = 0.0;  ///< N/m or N m/rad, >= 0
 
-  /// As a spring; what would have its rest far away, or nowhere, as a servo that is at its bound
-  /// below kFast beside one. With rests of 1e9 m a tree of eight bodies came 4e9 m far.
-  /// @throws std::invalid_argument  where it is not finite
+  /// As a spring. If its rest would be far away or nowhere, the constant force becomes a servo that
+  /// is at its bound up to kFast. With rests of 1e9 m a tree of eight bodies went 4e9 m far.
+  /// @throws std::invalid_argument  if it is not finite
   void put(pbd::JointAxis& axis) const {
     constexpr double kFar = 1e3;   // m or rad
     constexpr double kFast = 1e3;  // m/s or rad/s
@@ -37,8 +37,8 @@ struct Pull {
   }
 };
 
-/// Of an actuator whose force has a bound, at its control.
-/// @throws std::invalid_argument  where its force is not finite
+/// The servo of an actuator with bounded force, at its control.
+/// @throws std::invalid_argument  if its force is not finite
 inline pbd::JointMotor servo_of(const SceneFile::Actuator& actuator) {
   const double force = actuator.gain * actuator.control + actuator.bias;
   const bool to_position = actuator.stiffness > 0.0;
@@ -51,7 +51,7 @@ inline pbd::JointMotor servo_of(const SceneFile::Actuator& actuator) {
           .damping = actuator.damping};
 }
 
-/// @param coordinate  as those of pbd::JointState::position
+/// @param coordinate  index as in pbd::JointState::position
 inline pbd::JointAxis& axis_of(pbd::SixDofJointDef& def, int coordinate) {
   auto& axes = coordinate < 3 ? def.linear : def.angular;
   return axes[static_cast<std::size_t>(coordinate % 3)];

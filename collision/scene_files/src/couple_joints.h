@@ -9,8 +9,8 @@
 
 namespace tandem::scene_files {
 
-/// Holds c_two - ratio c_one = offset, of hinges and sliders.
-/// @return false where one of them is none, or both hold one body: they stay as they are
+/// Holds c_two - ratio c_one = offset for hinges and sliders.
+/// @return false, without effect, if one of them is neither, or both hold one body
 inline bool couple_joints(Scene& scene, pbd::JointId one, pbd::JointId two, double ratio,
                           double offset) {
   const pbd::JointBlock& joints = scene.joints();

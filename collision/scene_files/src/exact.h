@@ -6,9 +6,9 @@
 
 namespace tandem::scene_files {
 
-/// A vector of unit length by round-off that normalises to the very bits of `unit`: those who are
-/// given it normalise it once more, which need not leave a unit vector as it is. Looked for among
-/// vectors that are longer by parts of 1e-10; `unit` where none is found.
+/// A unit vector, up to round-off, that normalises to exactly the bits of `unit`. The receiver
+/// normalises it again, which may change a unit vector. Searched among vectors that are longer by
+/// parts of 1e-10; `unit` if none is found.
 template <class Vector>
 Vector before_normalized(const Vector& unit) {
   constexpr int kTries = 4096;

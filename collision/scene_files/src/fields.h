@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What the format calls the fields of definitions, once for reading and writing: io(name, field)
-// for each.
+// Field names of definitions in the format, once for reading and writing: io(name, field) for each.
 #pragma once
 
 #include <array>
@@ -12,7 +11,7 @@
 
 namespace tandem::scene_files {
 
-/// The names of an enumeration's values, in their order.
+/// The names of an enumeration's values, in order.
 template <class Enum>
 struct EnumNames;
 template <>
@@ -61,7 +60,7 @@ void fields(auto& io, pbd::AxisLocks& locks) {
   io("angular", locks.angular);
 }
 
-/// What pbd::BodyDef and SolidDef have alike.
+/// Fields common to pbd::BodyDef and SolidDef.
 template <class Io, class Def>
 void body_fields(Io& io, Def& def) {
   io("type", def.type);
@@ -162,7 +161,7 @@ void fields(auto& io, pbd::BallDrive& drive) {
   io("friction", drive.friction);
 }
 
-/// What all joints have; bodies are named, and so read and written by themselves.
+/// Fields common to all joints; bodies are named, and so read and written separately.
 template <class Io, class Def>
 void joint_fields(Io& io, Def& def) {
   io("frameA", def.frame_a);
@@ -184,7 +183,7 @@ void fields(auto& io, pbd::SixDofJointDef& def) {
   io("enabled", def.enabled);
 }
 
-/// What all short forms of joints have.
+/// Fields common to all short forms of joints.
 template <class Io, class Def>
 void short_fields(Io& io, Def& def) {
   joint_fields(io, def);

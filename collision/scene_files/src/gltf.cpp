@@ -14,7 +14,7 @@ namespace tandem {
 namespace scene_files {
 namespace {
 
-/// A body to be: nodes that move together.
+/// A future body: nodes that move together.
 struct Solid {
   std::string name;
   Pose pose;
@@ -47,7 +47,7 @@ class GltfReader {
   }
 
  private:
-  /// All nodes from their roots, each once.
+  /// Visits all nodes from their roots, each once.
   void walk(const Place& nodes) {
     struct Step {
       std::size_t node;
@@ -67,7 +67,7 @@ class GltfReader {
         known = 1;
       }
     }
-    // Its y is up.
+    // glTF has y up.
     const GltfFrame root{.pose = {.orientation = gltf_about_x(0.5 * std::numbers::pi)}};
     std::vector<Step> open;
     for (std::size_t i = nodes.size(); i-- > 0;) {
@@ -108,7 +108,7 @@ class GltfReader {
             parent.scale.cwiseProduct(local.scale)};
   }
 
-  /// @return the solid that the node and what hangs on it belongs to
+  /// @return the solid of the node and its descendants
   std::optional<std::size_t> visit(const Place& node, std::size_t index,
                                    std::optional<std::size_t> owner) {
     if (!node.has("extensions")) return owner;
@@ -127,7 +127,7 @@ class GltfReader {
       const char* key = sensor ? "trigger" : "collider";
       if (!physics.has(key)) continue;
       const Place collider = physics.at(key);
-      if (!collider.has("geometry")) continue;  // a trigger of other nodes, which have theirs
+      if (!collider.has("geometry")) continue;  // a trigger of other nodes, which have their own
       std::size_t to = owner.value_or(solids_.size());
       if (to == solids_.size()) solids_.push_back({name, at.pose, index, false, {}});
       collider.count(&SceneLimits::colliders);
@@ -136,7 +136,7 @@ class GltfReader {
     return owner;
   }
 
-  /// What a body weighs, by its colliders unless its motion says so.
+  /// Mass properties of a body, from its colliders unless its motion gives them.
   static collision::MassProperties weigh(const Place& motion, const Solid& solid) {
     std::vector<collision::CompoundPart> parts;
     for (const collision::ColliderDef& def : solid.colliders) {
@@ -246,7 +246,7 @@ class GltfReader {
   SceneFile& out_;
   GltfColliders colliders_;
   std::vector<GltfFrame> frames_;                   ///< world, by node
-  std::vector<std::optional<std::size_t>> owners_;  ///< the solid that it moves with, by node
+  std::vector<std::optional<std::size_t>> owners_;  ///< by node, the solid that it moves with
   std::vector<Solid> solids_;
   std::optional<GltfJoints> joints_;
 };

@@ -31,7 +31,7 @@ std::string decode_base64(std::string_view text, const Place& at) {
   return out;
 }
 
-/// A URI as the name that it stands for: %20 is a space.
+/// Decodes a URI: %20 is a space.
 std::string decode_percent(const Place& uri) {
   std::string text = uri.text();
   std::size_t size = 0;
@@ -61,7 +61,7 @@ double load(const char* from) {
   return static_cast<double>(value);
 }
 
-/// Bytes of a component, or 0 for a type that is none.
+/// Bytes of a component, or 0 for an unknown type.
 std::size_t component_size(std::int64_t type) {
   if (type == 5120 || type == 5121) return 1;
   if (type == 5122 || type == 5123) return 2;

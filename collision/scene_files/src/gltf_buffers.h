@@ -12,24 +12,24 @@
 
 namespace tandem::scene_files {
 
-/// The numbers that a glTF accessor names, where they lie in their buffer.
+/// The numbers of a glTF accessor, in place in their buffer.
 struct GltfAccessor {
-  const char* data = nullptr;  ///< of the first element; lives as long as the GltfBuffers
+  const char* data = nullptr;  ///< first element; valid as long as the GltfBuffers
   std::size_t count = 0;       ///< elements
-  std::size_t stride = 0;      ///< bytes from one to the next
-  std::int64_t type = 0;       ///< of components, by glTF's number
+  std::size_t stride = 0;      ///< bytes between elements
+  std::int64_t type = 0;       ///< glTF's number of the component type
 
   double at(std::size_t element, std::size_t component) const;
 };
 
-/// Buffers of a glTF document. They are read when they are asked for, each file once.
+/// Buffers of a glTF document, read on demand, each file once.
 class GltfBuffers {
  public:
-  /// @param sources  outlive this
+  /// @param sources  must outlive this
   GltfBuffers(const Place& document, const GltfSources& sources)
       : document_(document), sources_(sources) {}
 
-  /// @param type  what its elements must be      @param width  components of each
+  /// @param type  required type of elements      @param width  components of each
   GltfAccessor accessor(const Place& index, const char* type, std::size_t width);
 
  private:
@@ -41,7 +41,7 @@ class GltfBuffers {
   const Place& document_;
   const GltfSources& sources_;
   std::map<std::int64_t, Bytes> buffers_;
-  std::map<std::filesystem::path, Bytes> files_;  ///< by their place in the folder
+  std::map<std::filesystem::path, Bytes> files_;  ///< by path in the folder
 };
 
 }  // namespace tandem::scene_files

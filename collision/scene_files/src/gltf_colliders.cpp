@@ -77,7 +77,7 @@ bool GltfColliders::implicit(const Place& index, const Vec3& signed_scale,
   if (!round || (type == "capsule" && !even)) {
     return shape.warn("round shapes of uneven scale are not read"), false;
   }
-  // Along y there, along z here.
+  // Axis y in glTF, z here.
   def.local.orientation = def.local.orientation * gltf_about_x(-0.5 * std::numbers::pi);
   if (top == bottom && type == "capsule") {
     def.shape = Capsule{.radius = top, .half_height = half};
@@ -130,7 +130,7 @@ void GltfColliders::filter(const Place& index, collision::Filter& out) {
     const Place names = filter.at(key);
     for (std::size_t i = 0; i < names.size(); ++i) {
       const Place name = names.at(i);
-      // The first one is that of colliders in no system.
+      // Bit 0 is for colliders in no system.
       const auto next = static_cast<std::uint32_t>(systems_.size()) + 1;
       const auto bit = systems_.try_emplace(name.text(), next).first->second;
       if (bit > 31) name.refuse("one of at most 31 systems");

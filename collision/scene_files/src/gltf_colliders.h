@@ -13,16 +13,16 @@ namespace tandem::scene_files {
 
 inline constexpr const char* kGltfPhysics = "KHR_physics_rigid_bodies";
 
-/// Where a node is, as far as it is no shear.
-/// What single precision makes of 0, and of equal numbers as a share of them.
+/// Round-off of single precision: of 0, and relative for equal numbers.
 inline constexpr double kGltfRoundOff = 1e-6;
 
+/// Where a node is, without shear.
 struct GltfFrame {
   Pose pose;
   Vec3 scale = Vec3::Ones();
 };
 
-/// A turn about x. @param angle  rad
+/// A rotation about x. @param angle  rad
 Quat gltf_about_x(double angle);
 
 /// Colliders and triggers of glTF nodes, with their materials and filters.
@@ -31,13 +31,13 @@ class GltfColliders {
   GltfColliders(const Place& document, const GltfSources& sources)
       : document_(document), meshes_(document, sources) {}
 
-  /// Appends what it is, placed from the body's frame; nothing where that is not known, with a
-  /// warning.
+  /// Appends the collider, placed in the body's frame; nothing, with a warning, if its kind is
+  /// unknown.
   void add(const Place& at, const GltfFrame& frame, bool sensor, const Pose& body,
            std::vector<collision::ColliderDef>& out);
 
  private:
-  /// @return false where there is none like it, which was said
+  /// @return false, after a warning, if there is no such shape
   bool shape(const Place& geometry, const Vec3& scale, collision::ColliderDef& def);
   bool implicit(const Place& index, const Vec3& signed_scale, collision::ColliderDef& def);
   void material(const Place& index, collision::Material& out);

@@ -57,7 +57,7 @@ GltfContainer GltfContainer::of(std::string_view bytes, std::string_view file) {
       out.document = chunk;
     } else if (type == kBinary && out.binary.empty()) {
       out.binary = chunk;
-    }  // others are to be passed over
+    }  // unknown chunks must be skipped
     at += kChunkHeader + count;
   }
   return out;

@@ -7,19 +7,19 @@
 
 namespace tandem::scene_files {
 
-/// What a glTF document may take its buffers from, beside itself.
+/// Sources of a glTF document's buffers, besides itself.
 struct GltfSources {
-  std::filesystem::path folder;  ///< of files that it names; nothing outside it is read
-  std::string_view binary = {};  ///< of its container, behind the document
+  std::filesystem::path folder;  ///< of files that it names; nothing outside is read
+  std::string_view binary = {};  ///< binary chunk of its container
 };
 
-/// A binary glTF (.glb), or the text alone. Views of what was read.
+/// A binary glTF (.glb), or only text. Views of the input.
 struct GltfContainer {
   std::string_view document;
   std::string_view binary;
 
-  /// @param bytes  outlives the result
-  /// @throws SceneFileError  where a length is not that of what is there
+  /// @param bytes  must outlive the result
+  /// @throws SceneFileError  if a length does not match the input
   static GltfContainer of(std::string_view bytes, std::string_view file);
 };
 

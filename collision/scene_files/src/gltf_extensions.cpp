@@ -14,7 +14,7 @@ constexpr const char* kOmiShape = "OMI_physics_shape";
 constexpr const char* kKhrBody = "KHR_physics_rigid_bodies";
 constexpr const char* kKhrShape = "KHR_implicit_shapes";
 
-/// What only the eye sees.
+/// Extensions for looks only.
 bool is_for_looks(const std::string& name) {
   constexpr std::array kPrefixes{"KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_"};
   return std::any_of(kPrefixes.begin(), kPrefixes.end(),
@@ -24,7 +24,7 @@ bool is_read(const std::string& name) {
   return name == kOmiBody || name == kOmiShape || name == kKhrBody || name == kKhrShape;
 }
 
-/// The member where it is an object, or null.
+/// The member if it is an object, else null.
 json* member(json& parent, const char* key) {
   if (!parent.is_object()) return nullptr;
   const auto at = parent.find(key);
@@ -35,7 +35,7 @@ void move_member(json& from, json& to, const char* key) {
   if (from.is_object() && from.contains(key)) to[key] = std::move(from[key]);
 }
 
-/// With OMI's own defaults.
+/// Fills in OMI's own defaults.
 json implicit_shape(json shape) {
   const json* type = shape.is_object() && shape.contains("type") ? &shape["type"] : nullptr;
   if (type == nullptr || !type->is_string()) return shape;
@@ -45,7 +45,7 @@ json implicit_shape(json shape) {
   if (values.is_null()) values = json::object();
   if (!values.is_object()) return shape;
   values.emplace("height", name == "capsule" ? 1.0 : 2.0);
-  // Of former drafts.
+  // Earlier drafts.
   const json radius = values.contains("radius") ? values["radius"] : json(0.5);
   values.erase("radius");
   values.emplace("radiusTop", radius);
@@ -53,7 +53,7 @@ json implicit_shape(json shape) {
   return shape;
 }
 
-/// A collider or a trigger.
+/// Converts a collider or a trigger.
 json body_shape(json from, const json& shapes) {
   if (!from.is_object() || !from.contains("shape")) return from;
   json index = std::move(from["shape"]);

@@ -6,13 +6,14 @@
 
 namespace tandem::scene_files {
 
-/// Refuses a document that requires an extension which is not read, as glTF has it, and warns of
-/// physics that it uses and nobody reads.
+/// Refuses a document that requires an unknown extension, as glTF demands, and warns of physics
+/// extensions that it uses and that are not read.
 void check_gltf_extensions(const Place& document);
 
-/// A document by OMI_physics_body and OMI_physics_shape as one by KHR_physics_rigid_bodies and
-/// KHR_implicit_shapes, which have the same parts by other names. One that has the latter is left
-/// as it is. What is not as OMI says is carried over for the reader to refuse, by its new name.
+/// Converts OMI_physics_body and OMI_physics_shape to KHR_physics_rigid_bodies and
+/// KHR_implicit_shapes, which have the same parts under other names. A document that has the latter
+/// is left as it is. Invalid OMI values are carried over, for the reader to refuse by their new
+/// names.
 void rewrite_omi_physics(json& document);
 
 }  // namespace tandem::scene_files

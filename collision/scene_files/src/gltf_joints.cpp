@@ -9,7 +9,7 @@
 namespace tandem::scene_files {
 namespace {
 
-/// Of a limit: all axes locked, one limited, or two angular ones in a cone.
+/// Reads a limit: all axes locked, one limited, or two angular ones in a cone.
 void read_limit(const Place& at, pbd::SixDofJointDef& def) {
   Reader io(at);
   const bool angular = io.has("angularAxes");
@@ -85,7 +85,7 @@ void read_drive(const Place& at, pbd::SixDofJointDef& def) {
     axis.spring = spring;
     return;
   }
-  // One without stiffness brakes; with neither it does nothing.
+  // Without stiffness it is a damper; with neither it does nothing.
   const bool pulls = spring.stiffness > 0.0;
   if (!pulls && spring.damping == 0.0) return;
   axis.motor = {.mode = pulls ? pbd::MotorMode::Position : pbd::MotorMode::Velocity,
@@ -95,7 +95,7 @@ void read_drive(const Place& at, pbd::SixDofJointDef& def) {
                 .damping = spring.damping};
 }
 
-/// The same joint from the other body's side.
+/// The same joint seen from the other body.
 void turn_over(pbd::SixDofJointDef& def) {
   for (auto* axes : {&def.linear, &def.angular}) {
     for (pbd::JointAxis& axis : *axes) {

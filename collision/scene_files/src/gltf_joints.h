@@ -13,10 +13,10 @@ namespace tandem::scene_files {
 
 /// Two nodes with a joint between them.
 struct Joined {
-  std::optional<std::size_t> a, b;  ///< bodies, by their number; none: the world
+  std::optional<std::size_t> a, b;  ///< indices of bodies; none: the world
   Pose frame_a, frame_b;            ///< world
-  std::size_t description = 0;      ///< in physicsJoints
-  bool meet = false;                ///< the bodies meet each other as well
+  std::size_t description = 0;      ///< index in physicsJoints
+  bool meet = false;                ///< the bodies meet each other
   std::string name;
 };
 
@@ -26,13 +26,13 @@ class GltfJoints {
   GltfJoints(const Place& document, SceneFile& out) : document_(document), out_(out) {}
 
   void add(Joined joined) { joined_.push_back(std::move(joined)); }
-  /// For each body: those that hang together do not meet each other; 0: it has no joint.
+  /// By body: jointed bodies share a group and do not meet each other; 0: no joint.
   std::vector<std::int32_t> groups(std::size_t bodies);
-  /// Once out.bodies has all of them.
+  /// Call when out.bodies is complete.
   void build();
 
  private:
-  /// Read when it is asked for first: many nodes may name one.
+  /// Read on demand: many nodes may name one.
   pbd::SixDofJointDef describe(std::size_t description);
 
   const Place& document_;

@@ -28,7 +28,7 @@ void GltfMeshes::add(const Place& primitive, Mesh& out) {
     }
     corners[i] = static_cast<std::uint32_t>(corner);
   }
-  // Primitives may share their positions: of these it takes its own, in their order.
+  // Primitives may share their positions: use only those of this one, in their order.
   std::vector<std::uint32_t> used = corners;
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
@@ -60,7 +60,7 @@ const GltfMeshes::Mesh& GltfMeshes::mesh(const Place& index) {
 
 collision::Shape GltfMeshes::shape(const Place& index, const Vec3& scale, bool hull) {
   const Mesh& read = mesh(index);
-  // By bits, as these are in order whatever the numbers are.
+  // By bits, which have an order for all numbers.
   const auto bits = [&](int axis) { return std::bit_cast<std::uint64_t>(scale[axis]); };
   const Key key{index.value().get<std::int64_t>(), {bits(0), bits(1), bits(2)}, hull};
   if (const auto known = shapes_.find(key); known != shapes_.end()) return known->second;

@@ -12,14 +12,14 @@
 
 namespace tandem::scene_files {
 
-/// Shapes of a glTF document's meshes. Those alike are one shape, which is shared.
+/// Shapes of a glTF document's meshes. Equal shapes are shared.
 class GltfMeshes {
  public:
   GltfMeshes(const Place& document, const GltfSources& sources)
       : document_(document), buffers_(document, sources) {}
 
-  /// Of all primitives of the mesh that `index` names.
-  /// @param hull  their convex hull, else the surface
+  /// The shape of all primitives of the mesh that `index` names.
+  /// @param hull  make their convex hull, else the surface
   collision::Shape shape(const Place& index, const Vec3& scale, bool hull);
 
  private:

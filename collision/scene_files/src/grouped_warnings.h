@@ -11,18 +11,18 @@
 
 namespace tandem::scene_files {
 
-/// Two digits: as much as anyone wants to know of an error.
+/// Two digits: enough for an error.
 inline std::string short_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2g", value);
   return text;
 }
 
-/// Warnings of a file with many elements: what is true of several of a kind is told once, with all
-/// their names.
+/// Warnings of a file with many elements: a warning common to several of a kind is given once, with
+/// all their names.
 class GroupedWarnings {
  public:
-  /// @param kind, name  of the element. @param text  what is told of it
+  /// @param kind, name  of the element. @param text  the warning
   void add(const std::string& kind, const std::string& name, const std::string& text) {
     const auto [at, is_new] = places_.try_emplace({kind, text}, lines_.size());
     if (is_new) lines_.push_back({kind + ' ', text});
@@ -30,7 +30,7 @@ class GroupedWarnings {
     if (!is_new) names += ", ";
     names += name;
   }
-  /// In the order in which each was first told.
+  /// In the order of the first occurrence.
   void append_to(std::vector<std::string>& out) const {
     for (const auto& [names, text] : lines_) {
       out.push_back(names);
@@ -40,7 +40,7 @@ class GroupedWarnings {
   }
 
  private:
-  std::map<std::pair<std::string, std::string>, std::size_t> places_;  ///< in lines_
+  std::map<std::pair<std::string, std::string>, std::size_t> places_;  ///< index in lines_
   std::vector<std::pair<std::string, std::string>> lines_;
 };
 

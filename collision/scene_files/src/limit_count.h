@@ -11,22 +11,22 @@
 
 namespace tandem::scene_files {
 
-/// What a document has made so far, beside what it may.
+/// Counts what a document has made against its limits.
 class LimitCount {
  public:
   explicit LimitCount(const SceneLimits& most = {}) : most_(most) {}
 
-  /// @return the rule where it is broken now, else nothing
+  /// @return the rule if it is exceeded now, else an empty text
   std::string add(std::size_t SceneLimits::*what, std::size_t count = 1) {
     std::size_t& used = used_.*what;
     used += count;
     return used <= most_.*what ? std::string() : rule(what);
   }
-  /// The same of each body for itself.
+  /// Checks the limit of colliders of one body.
   std::string parts(std::size_t count) const {
     return count <= most_.parts ? std::string() : rule(&SceneLimits::parts);
   }
-  /// Of all that stands where it begins.
+  /// Checks the limit of pairs at the start.
   std::string pairs(Scene& scene) const {
     const bool crowded = collision::is_crowded(scene.shapes(), scene.world(), most_.pairs);
     return crowded ? rule(&SceneLimits::pairs) : std::string();
@@ -69,7 +69,7 @@ class LimitCount {
                     .pairs = 0};
 };
 
-/// @throws SceneFileError  where a rule is broken. @param where  what breaks it
+/// @throws SceneFileError  if `rule` is not empty. @param where  the offending place
 inline void require_within(const std::string& where, const std::string& rule) {
   if (!rule.empty()) throw SceneFileError(pbd::detail::must_be(where, rule));
 }

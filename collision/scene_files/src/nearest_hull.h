@@ -14,9 +14,9 @@ namespace tandem::scene_files {
 inline constexpr const char* kNearestHull =
     "its hull has more than 128 corners, or is flat: it has the nearest one";
 
-/// The hull of a file's points, or the nearest one that a shape may have.
-/// @param strict  what is not its own hull is an error
-/// @param tell  told how far off the nearest one is, as "(by 0.3 mm)"
+/// The hull of a file's points, or the nearest valid one.
+/// @param strict  other hulls than the points' own are an error
+/// @param tell  called with the error of the nearest one, as "(by 0.3 mm)"
 /// @throws std::invalid_argument
 inline collision::Hull nearest_hull(std::span<const Vec3> points, bool strict, auto&& tell) {
   try {

@@ -118,7 +118,7 @@ std::int64_t Place::integer(std::int64_t low, std::int64_t high) const {
   return number;
 }
 
-/// Arrays and objects within each other, of a text that is JSON.
+/// Depth of nested arrays and objects in a JSON text.
 int depth_of(std::string_view text) {
   int depth = 0;
   int most = 0;
@@ -146,7 +146,7 @@ json parse_document(std::string_view text, std::string_view file) {
     refuse("size", "at most " + std::to_string(kMaxSceneBytes) + " bytes",
            std::to_string(text.size()));
   }
-  // Before it is parsed: with a callback the parser looks at all of an array at each object in it.
+  // Before parsing: with a callback the parser scans an array again at each object in it.
   const int depth = depth_of(text);
   if (depth > kMaxSceneDepth) {
     refuse("depth", "at most " + std::to_string(kMaxSceneDepth), std::to_string(depth));

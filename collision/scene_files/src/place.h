@@ -15,15 +15,15 @@ namespace tandem::scene_files {
 
 using nlohmann::json;
 
-/// What one reading has in common.
+/// Shared state of one reading.
 struct Reading {
   std::string_view file;
   std::vector<std::string> warnings{};
   LimitCount limits{};
-  bool strict = false;  ///< faults of shapes are errors
+  bool strict = false;  ///< invalid shapes are errors
 };
 
-/// A value of a document and where it is. It lives no longer than the place that it is in.
+/// A value of a document and its place. Must not outlive the place that contains it.
 class Place {
  public:
   Place(const json& value, Reading& reading) : value_(&value), reading_(&reading) {}
@@ -32,10 +32,10 @@ class Place {
   std::string pointer() const;
 
   bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
-  Place at(const char* key) const;       ///< refuses what is no object or has it not
-  Place at(std::size_t index) const;     ///< likewise
+  Place at(const char* key) const;       ///< refuses a non-object and a missing key
+  Place at(std::size_t index) const;     ///< refuses a non-array and an index out of range
   std::size_t size() const;              ///< of an array; refuses others
-  Place pick(const Place& index) const;  ///< of an array, the one that `index` names
+  Place pick(const Place& index) const;  ///< element of an array that `index` names
 
   double number() const;  ///< finite, or "Infinity" or "-Infinity"
   std::string text() const;
@@ -44,13 +44,13 @@ class Place {
 
   [[noreturn]] void refuse(std::string_view rule) const;
   void warn(std::string_view what) const;
-  /// Whether a fault that could be mended is an error.
+  /// Whether a repairable fault is an error.
   bool strict() const { return reading_->strict; }
-  /// One more of what is bounded, or several: refuses where that is too many.
+  /// Counts bounded elements; refuses if there are too many.
   void count(std::size_t SceneLimits::*what, std::size_t count = 1) const;
-  /// Its own values are the colliders of one body.
+  /// Counts its elements as the colliders of one body.
   void count_parts() const;
-  /// Runs `call`; what it refuses gets the place in front.
+  /// Runs `call`; puts the place in front of its errors.
   void guard(const std::function<void()>& call) const;
 
  private:
@@ -61,9 +61,9 @@ class Place {
   std::size_t index_ = 0;
 };
 
-/// The start of a value as messages show it.
+/// The start of a value, for messages.
 std::string excerpt(const json& value);
-/// A document, within the bounds of kMaxSceneBytes and kMaxSceneDepth.
+/// Parses a document within kMaxSceneBytes and kMaxSceneDepth.
 json parse_document(std::string_view text, std::string_view file);
 
 }  // namespace tandem::scene_files

@@ -17,7 +17,7 @@ inline std::string read_bytes(const std::filesystem::path& path) {
     throw SceneFileError(pbd::detail::must_be(path.string() + ": file", rule));
   };
   std::error_code error;
-  // Not what never ends.
+  // Excludes devices and pipes, which may never end.
   if (!std::filesystem::is_regular_file(path, error)) refuse("one that is there and can be read");
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error || size > kMaxSceneBytes) {

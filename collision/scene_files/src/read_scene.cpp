@@ -15,10 +15,10 @@ using scene_files::Reading;
 namespace scene_files {
 namespace {
 
-/// What is for people and displays: passed over without a word.
+/// For people and displays: ignored without a warning.
 constexpr const char* kOfDisplays[] = {"$schema", "title", "say", "camera", "make", "colour"};
 
-/// Layers by their names, as collision::Layers has them.
+/// Layers by name, as in collision::Layers.
 struct LayerTable {
   std::unordered_map<std::string, collision::Filter> filters;
 
@@ -67,7 +67,7 @@ class SceneReader {
     return out;
   }
 
-  /// @param find  a body by what names it
+  /// @param find  finds a body by its reference
   template <class Find>
   SceneFile::Joint joint(const Place& at, Find&& find) {
     Reader io(at);
@@ -108,7 +108,7 @@ class SceneReader {
   }
 
  private:
-  /// Where it is by the world, or else by its frames.
+  /// Reads the place of a joint in the world, "at"; without it the joint is given by its frames.
   static void place(Reader& io, Vec3& point, Vec3& axis, Vec3& up) {
     if (!io.has("at")) return;
     const Place place = io.at().at("at");
@@ -132,12 +132,12 @@ class SceneReader {
     if (io.has("layer")) out = layers_.find(io.at().at("layer"));
   }
 
-  /// Colliders placed from the centre of mass, which the pose is of.
+  /// A body with colliders relative to its centre of mass, which its pose refers to.
   BodyId exact(Reader& io) {
     pbd::BodyDef def;
     fields(io, def);
     for (const char* key : {"mass", "inertia"}) {
-      if (def.type == BodyType::Dynamic) io.at().at(key);  // refuses where it is not there
+      if (def.type == BodyType::Dynamic) io.at().at(key);  // refuses a missing key
     }
     const BodyId id = scene_.world().add_body(def);
     whole(id, [&] { colliders(io.at().at("colliders"), id); });
@@ -159,7 +159,7 @@ class SceneReader {
     }
   }
 
-  /// Fills a body, or takes it away.
+  /// Fills a body, or removes it on failure.
   void whole(BodyId id, const std::function<void()>& fill) {
     try {
       fill();
@@ -169,7 +169,7 @@ class SceneReader {
     }
   }
 
-  /// A shape, or several, that say the mass; further parts have none.
+  /// A body whose mass follows from its shape or shapes; further colliders have none.
   BodyId solid(Reader& io) {
     SolidDef def;
     filter(io, def.filter);
@@ -207,7 +207,7 @@ class SceneReader {
                                   .user_data = def.user_data};
       Reader io(at);
       for (const char* key : kOfDisplays) io.has(key);
-      at.at("shape");  // refuses where it is not there
+      at.at("shape");  // refuses a missing key
       filter(io, part.filter);
       fields(io, part);
       io.finish();
@@ -220,7 +220,7 @@ class SceneReader {
   LayerTable& layers_;
 };
 
-/// Bodies by name, or by their place in the list.
+/// Bodies by name, or by index in the list.
 struct BodyNames {
   const std::vector<SceneFile::Body>& bodies;
   std::unordered_map<std::string_view, std::size_t> by_name;

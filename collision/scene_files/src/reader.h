@@ -17,7 +17,7 @@ namespace tandem::scene_files {
 template <class T>
 void read(const Place& at, T& value);
 
-/// Reads the fields of an object that are there, and warns of those that nobody asked for.
+/// Reads the fields that an object has, and warns of those that were never requested.
 class Reader {
  public:
   explicit Reader(const Place& at) : at_(at) {
@@ -28,13 +28,13 @@ class Reader {
   void operator()(const char* key, T& value) {
     if (has(key)) read(at_.at(key), value);
   }
-  /// Whether it is there; it counts as asked for.
+  /// Whether the field exists; counts as a request.
   bool has(const char* key) {
     asked_.emplace_back(key);
     return at_.has(key);
   }
   const Place& at() const { return at_; }
-  /// Once all is asked for.
+  /// Call after all requests.
   void finish() const {
     for (const auto& item : at_.value().items()) {
       if (std::find(asked_.begin(), asked_.end(), item.key()) != asked_.end()) continue;
@@ -104,7 +104,7 @@ std::enable_if_t<std::is_enum_v<Enum>> read_value(const Place& at, Enum& value) 
   value = static_cast<Enum>(found - names.begin());
 }
 
-/// Objects by their fields, all else by read_value().
+/// Objects by their fields, everything else by read_value().
 template <class T>
 void read(const Place& at, T& value) {
   if constexpr (requires(Reader & io) { fields(io, value); }) {

@@ -12,23 +12,23 @@
 
 namespace tandem::scene_files {
 
-/// What parts that are fixed to each other weigh as one body.
+/// Mass properties of parts that are fixed to each other as one body.
 class RigidParts {
  public:
-  /// All in one frame. @param inertia  kg m^2, about `com`
+  /// Adds a part; all in one frame. @param inertia  kg m^2, about `com`
   void add(double mass, const pbd::Vec3& com, const pbd::Mat3& inertia) {
     parts_.push_back({mass, com, inertia});
     mass_ += mass;
   }
   double mass() const { return mass_; }  ///< kg
-  /// m; only where there is mass
+  /// m; @pre mass() > 0
   pbd::Vec3 com() const {
     if (parts_.size() == 1) return parts_[0].com;
     pbd::Vec3 sum = pbd::Vec3::Zero();
     for (const Part& part : parts_) sum += part.mass * part.com;
     return sum / mass_;
   }
-  /// kg m^2, about com(); only where there is mass
+  /// kg m^2, about com(); @pre mass() > 0
   pbd::Mat3 inertia() const {
     const pbd::Vec3 middle = com();
     pbd::Mat3 sum = pbd::Mat3::Zero();
@@ -52,15 +52,15 @@ class RigidParts {
 
 struct MendedInertia {
   pbd::Mat3 inertia;  ///< kg m^2
-  double change;      ///< of a moment at most, as a share of the largest one
+  double change;      ///< largest change of a moment, as a share of the largest one
 };
 
-/// The nearest inertia that a body can have. A body's moments are sums of two of three second
-/// moments, the integrals of x^2, y^2 and z^2 along the principal axes: those below 0 become 0.
-/// Where that leaves no moment about an axis, each of them is at least that of a ball.
+/// The nearest valid inertia. A body's moments are sums of two of three second moments, the
+/// integrals of x^2, y^2 and z^2 along the principal axes: negative ones become 0. If that leaves
+/// no moment about an axis, each second moment becomes at least that of a ball.
 /// @param ball  kg m^2, > 0: the ball's moment
-/// @return nothing where a moment is further below 0 than half the largest one, or half the ball's:
-///   that is no rounding, nor a shape that was left out
+/// @return nothing if a moment is further below 0 than half the largest one, or half the ball's:
+///   that is neither rounding nor an omitted shape
 inline std::optional<MendedInertia> mend_inertia(const pbd::Mat3& inertia, double ball) {
   const Eigen::SelfAdjointEigenSolver<pbd::Mat3> eigen(inertia);
   const pbd::Vec3 given = eigen.eigenvalues();  // ascending
@@ -69,7 +69,7 @@ inline std::optional<MendedInertia> mend_inertia(const pbd::Mat3& inertia, doubl
   pbd::Vec3 second = pbd::Vec3::Constant(0.5 * given.sum()) - given;
   const auto moments = [&] { return pbd::Vec3(pbd::Vec3::Constant(second.sum()) - second); };
   second = second.cwiseMax(0.0);
-  // A share that World takes: it wants an inverse.
+  // Smallest share that World accepts, as it needs an inverse.
   constexpr double kThin = 1e-9;
   if (!(moments().minCoeff() > kThin * size)) second = second.cwiseMax(0.5 * ball);
   const pbd::Vec3 mended = moments();

@@ -24,7 +24,7 @@ Round read_round(Reader& io) {
 template <class T>
 T required(Reader& io, const char* key) {
   T value{};
-  io.at().at(key);  // refuses where it is not there
+  io.at().at(key);  // refuses a missing key
   io(key, value);
   return value;
 }

@@ -10,7 +10,7 @@ namespace tandem::scene_files {
 
 json write_shape(const collision::Shape& shape);
 
-/// Points of an array of arrays of three numbers.
+/// Reads points from an array of arrays of three numbers.
 std::vector<Vec3> read_points(const Place& at);
 
 }  // namespace tandem::scene_files

@@ -10,16 +10,16 @@ namespace tandem::scene_files {
 
 struct JointStart {
   double at = 0.0;     ///< m or rad
-  double moved = 0.0;  ///< m or rad, from where it was to be; 0 where that is allowed
+  double moved = 0.0;  ///< m or rad, distance from the wanted one; 0 if that is allowed
 };
 
 /// The coordinate within limits that is nearest to `wanted`.
-/// @param turns  whether a turn more is the same pose
+/// @param turns  whether another full turn is the same pose
 inline JointStart start_in_range(double wanted, double lower, double upper, bool turns) {
   JointStart best{std::clamp(wanted, lower, upper), HUGE_VAL};
   const auto look = [&](double same) {
     const double at = std::clamp(same, lower, upper);
-    // Of two that are as near the first counts, whatever rounding does.
+    // Of two equally near ones the first counts, whatever rounding does.
     if (std::abs(at - same) < best.moved - 1e-12) best = {at, std::abs(at - same)};
   };
   look(wanted);
@@ -32,7 +32,7 @@ inline JointStart start_in_range(double wanted, double lower, double upper, bool
       look(wanted + (count + 1.0) * kTurn);
     }
   }
-  // Limits are written with some digits.
+  // Limits in files are rounded.
   if (best.moved < 1e-9) best.moved = 0.0;
   return best;
 }

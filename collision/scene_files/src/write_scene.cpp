@@ -18,7 +18,7 @@ namespace {
 template <class T>
 json write(const T& value);
 
-/// All fields of an object.
+/// Writes all fields of an object.
 class FieldWriter {
  public:
   template <class T>
@@ -60,7 +60,7 @@ std::enable_if_t<std::is_enum_v<Enum>, json> write_value(Enum value) {
   return EnumNames<Enum>::kAll[static_cast<std::size_t>(value)];
 }
 
-/// Of an object those fields that are not what they are anyway.
+/// Writes the fields of an object that differ from their defaults.
 template <class T>
 json write(const T& value) {
   if constexpr (requires(FieldWriter & io, T & copy) { fields(io, copy); }) {
@@ -71,7 +71,7 @@ json write(const T& value) {
     fields(own, copy);
     fields(other, plain);
     for (const auto& item : other.out.items()) {
-      // As text: -0 is not 0.
+      // Compared as text: -0 is not 0.
       if (own.out[item.key()].dump() == item.value().dump()) own.out.erase(item.key());
     }
     return std::move(own.out);
@@ -125,8 +125,8 @@ void check_rows(const pbd::World& world) {
   }
 }
 
-/// rad: where a joint is that is read again. Poses tell the rest where no angle is beyond half a
-/// turn, as one at most can be.
+/// rad: start of a joint that is read again. Poses determine the rest if at most one angle is
+/// beyond half a turn, as joints guarantee.
 double turns(const pbd::JointState& state) {
   for (std::size_t i = 3; i < 6; ++i) {
     if (std::abs(state.position[i]) > std::numbers::pi) return state.position[i];
@@ -166,7 +166,7 @@ std::string write_scene(const Scene& scene, std::span<const SceneFile::Body> bod
   scene_files::check_rows(world);
   json out{{"version", 1}, {"gravity", scene_files::write(world.gravity())}};
   json& list = out["bodies"] = json::array();
-  std::unordered_map<std::uint32_t, std::size_t> places;  // in the list, by slot
+  std::unordered_map<std::uint32_t, std::size_t> places;  // index in the list, by slot
   for (std::uint32_t slot = 0; slot < world.slot_count(); ++slot) {
     const BodyId id = world.body_at(slot);
     if (!id.valid()) continue;
@@ -175,7 +175,7 @@ std::string write_scene(const Scene& scene, std::span<const SceneFile::Body> bod
   }
   for (const SceneFile::Body& body : bodies) {
     if (body.name.empty() || !world.contains(body.body)) continue;
-    // One name each: links that are parts of a body come behind it.
+    // One name each: links that are parts of a body come after it.
     list[places.at(body.body.index)].emplace("name", body.name);
   }
   const collision::CollisionScene& shapes = scene.shapes();

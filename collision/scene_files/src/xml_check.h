@@ -11,17 +11,17 @@
 
 namespace tandem::scene_files {
 
-/// A tag of XML as the parsers take it that are more lenient than the standard.
+/// An XML tag, as read by parsers that are more lenient than the standard.
 struct XmlTag {
   std::string_view text;  ///< without the brackets
-  bool opens = false;     ///< an element, which may be closed at once
+  bool opens = false;     ///< opens an element, which may be closed at once
   bool closes = false;
 };
 
-/// Visit the tags of a text in order. Comments and CDATA are none; what begins with ? or ! ends at
-/// the next bracket, and a quote begins behind an equals sign alone: so no parser sees more tags
+/// Visits the tags of a text in order. Comments and CDATA are no tags; what begins with ? or ! ends
+/// at the next bracket, and a quote only begins after an equals sign: so no parser sees more tags
 /// than this does.
-/// @return false where a tag has no end, or a bracket in a value, which is no XML
+/// @return false if a tag has no end, or a value contains a bracket, which is no XML
 bool for_tags(std::string_view text, auto&& visit) {
   constexpr std::string_view kSpaces = " \t\r\n";
   for (std::size_t i = text.find('<'); i != text.npos; i = text.find('<', i)) {
@@ -36,7 +36,7 @@ bool for_tags(std::string_view text, auto&& visit) {
       continue;
     }
     char quote = 0;
-    char before = 0;  // the last one that is no space
+    char before = 0;  // the last non-space
     std::size_t k = 1;
     for (; k < rest.size() && (quote != 0 || rest[k] != '>'); ++k) {
       const char c = rest[k];
@@ -57,10 +57,10 @@ bool for_tags(std::string_view text, auto&& visit) {
   return true;
 }
 
-/// Whether the tag has an attribute whose name begins so.
+/// Whether the tag has an attribute whose name begins with `name`.
 inline bool has_attribute(const XmlTag& tag, std::string_view name) {
   char quote = 0;
-  char before = 0;  // the last one that is no space
+  char before = 0;  // the last non-space
   bool spaced = false;
   std::string word;
   for (const char c : tag.text) {
@@ -82,7 +82,7 @@ inline bool has_attribute(const XmlTag& tag, std::string_view name) {
   return false;
 }
 
-/// Bounds for parsers that call themselves for each element within another, and hold all of them.
+/// Bounds for recursive parsers that store all elements.
 inline void check_xml(std::string_view text, std::string_view name) {
   constexpr std::size_t kMaxElements = 200'000;
   std::size_t open = 0;
@@ -104,7 +104,7 @@ inline void check_xml(std::string_view text, std::string_view name) {
   }
 }
 
-/// Refuses a text that names files: who reads it has none beside it, and the parser would look for
+/// Refuses a text that names files: a text has no files beside it, and the parser would look for
 /// them on the disk.
 inline void refuse_files(std::string_view text, std::string_view name) {
   (void)for_tags(text, [&](const XmlTag& tag) {
