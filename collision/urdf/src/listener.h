@@ -8,7 +8,7 @@
 
 namespace tandem::urdf_files {
 
-/// What urdfdom says goes to the error message, not to the terminal.
+/// Sends urdfdom's messages to the error message, not to the terminal.
 class Listener final : public console_bridge::OutputHandler {
  public:
   Listener() { console_bridge::useOutputHandler(this); }

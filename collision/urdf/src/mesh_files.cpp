@@ -23,14 +23,14 @@ std::string lower_extension(const fs::path& path) {
   return out;
 }
 
-/// Whether `path` is below `folder`; both without links and dots.
+/// Whether `path` is below `folder`; both are canonical.
 bool is_below(const fs::path& folder, const fs::path& path) {
   const auto [end, at] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
   return (end == folder.end() || (end->empty() && std::next(end) == folder.end())) &&
          at != path.end();
 }
 
-/// The corners of triangles, of all that OBJ has.
+/// The triangle corners of an OBJ file.
 std::vector<Vec3> obj_points(const fs::path& path, const SceneLimits& limits) {
   const collision::Mesh mesh =
       obj::parse_obj(scene_files::read_bytes(path), path.string(),
@@ -57,7 +57,7 @@ fs::path MeshFiles::path_of(std::string_view file) const {
   if (root == options_.packages.end() || name.is_absolute() || file.find(':') != file.npos) {
     return {};
   }
-  // Links that lead out of the folder, and "..", are seen where they lead to.
+  // Symbolic links and ".." are resolved before the check.
   std::error_code failed;
   const fs::path folder = fs::canonical(root->second, failed);
   if (failed) return {};

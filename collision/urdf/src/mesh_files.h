@@ -16,8 +16,8 @@
 
 namespace tandem::urdf_files {
 
-/// The meshes of a robot, as hulls: files of STL and OBJ below the folders that the caller names.
-/// No other file is opened.
+/// The meshes of a robot, as hulls: STL and OBJ files below the folders that the caller names. No
+/// other file is opened.
 class MeshFiles {
  public:
   MeshFiles(const UrdfOptions& options, scene_files::LimitCount& limits,
@@ -25,12 +25,12 @@ class MeshFiles {
       : options_(options), limits_(limits), warnings_(warnings) {}
 
   /// @param link  names the link in warnings. @param file  as in the document
-  /// @return null where the file is not read, which is told
-  /// @throws std::invalid_argument  for a file that is read and has a fault
+  /// @return null, with a warning, if the file is not read
+  /// @throws std::invalid_argument  for a file that is read and invalid
   collision::Hull hull(const std::string& link, const std::string& file, const Vec3& scale);
 
  private:
-  /// Empty where it is none that may be opened.
+  /// Empty if the file must not be opened.
   std::filesystem::path path_of(std::string_view file) const;
   const std::vector<Vec3>& points(const std::filesystem::path& path, bool stl);
 

@@ -20,7 +20,7 @@ namespace {
 using pbd::Vec3;
 
 // Bytes of a binary file: a header, the number of triangles, and for each of them a normal, three
-// corners of three floats, and two bytes for whatever there is.
+// corners of three floats, and two bytes of attributes.
 constexpr std::size_t kHeader = 80;
 constexpr std::size_t kBeforeTriangles = kHeader + 4;
 constexpr std::size_t kTriangle = 50;
@@ -41,7 +41,7 @@ class Points {
     if (known_.insert(at).second) out_.emplace_back(at[0], at[1], at[2]);
   }
   std::vector<Vec3> take() { return std::move(out_); }
-  /// Of the triangle that is being read.
+  /// Refuses the triangle being read.
   [[noreturn]] void refuse(std::string_view rule, std::string_view value = {}) const {
     const std::string where = std::string(name_) + ": triangle " + std::to_string(triangles_);
     if (value.empty()) throw std::invalid_argument(pbd::detail::must_be(where, rule));
@@ -53,7 +53,7 @@ class Points {
     std::size_t operator()(const std::array<float, 3>& at) const {
       std::uint64_t hash = 0;
       for (const float value : at) {
-        // 0 and -0 are one number.
+        // 0 and -0 are equal.
         hash = (hash ^ std::bit_cast<std::uint32_t>(value + 0.0f)) * 0x9e3779b97f4a7c15u;
         hash ^= hash >> 29;
       }
@@ -67,7 +67,7 @@ class Points {
   std::vector<Vec3> out_;
 };
 
-/// Little-endian, whatever the machine is.
+/// Little-endian, on any machine.
 std::uint32_t load(const char* from) {
   std::uint32_t value = 0;
   for (int i = 3; i >= 0; --i) value = value << 8 | static_cast<unsigned char>(from[i]);
@@ -89,7 +89,7 @@ void read_binary(std::string_view bytes, std::size_t count, Points& out) {
   }
 }
 
-/// Words of a text, whatever their case.
+/// Words of a text, case-insensitive.
 class Words {
  public:
   Words(std::string_view text, const Points& points) : text_(text), points_(points) {}
@@ -132,14 +132,14 @@ class Words {
   const Points& points_;
 };
 
-/// @return whether it has come to its end
+/// @return whether the text was complete
 bool read_text(std::string_view text, Points& out) {
   Words words(text, out);
   bool ended = false;
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
     if (Words::is(word, "solid") || Words::is(word, "endsolid")) {
       ended = Words::is(word, "endsolid");
-      words.skip_line();  // its name
+      words.skip_line();  // name of the solid
       continue;
     }
     out.begin_triangle();
@@ -164,7 +164,7 @@ bool read_text(std::string_view text, Points& out) {
 
 std::vector<Vec3> stl_points(std::string_view bytes, std::string_view name, std::size_t most) {
   Points out(name, most);
-  // Some binary files begin with "solid" as texts do: the length tells.
+  // Some binary files begin with "solid" like text files: the length decides.
   const std::size_t count = bytes.size() < kBeforeTriangles ? 0 : load(bytes.data() + kHeader);
   if (bytes.size() >= kBeforeTriangles && (bytes.size() - kBeforeTriangles) % kTriangle == 0 &&
       (bytes.size() - kBeforeTriangles) / kTriangle == count) {

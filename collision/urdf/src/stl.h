@@ -10,12 +10,12 @@
 
 namespace tandem::urdf_files {
 
-/// The corners of the triangles of an STL file, binary or text: those that are the same once, in
-/// the order in which they first come. Normals, colours and names are passed over.
+/// The triangle corners of an STL file, binary or text, without duplicates, in the order of first
+/// appearance. Normals, colours and names are ignored.
 /// @param name  stands for the file in messages
-/// @param most  triangles
-/// @throws std::invalid_argument  naming file, triangle and rule: a length that is not that of its
-///   triangles, a word that does not belong there, a coordinate that is no finite number
+/// @param most  limit of triangles
+/// @throws std::invalid_argument  naming file, triangle and rule: a length that does not match the
+///   number of triangles, an unexpected word, a non-finite coordinate
 std::vector<pbd::Vec3> stl_points(std::string_view bytes, std::string_view name, std::size_t most);
 
 }  // namespace tandem::urdf_files

@@ -36,13 +36,13 @@ Pose operator*(const Pose& a, const Pose& b) {
   return {a.to_world(b.position), (a.orientation * b.orientation).normalized()};
 }
 
-/// Collects a model into a scene.
+/// Builds a scene from a model.
 class UrdfReader {
  public:
   UrdfReader(SceneFile& out, const UrdfOptions& options)
       : out_(out), options_(options), group_(out.scene.new_group()) {}
 
-  /// The root and all that hangs on it, each link behind the one that it hangs on.
+  /// Adds the root and its descendants, each link after its parent.
   void tree(const urdf::Link& root) {
     collect(root);
     for (Solid& solid : solids_) add_body(solid);
@@ -69,20 +69,20 @@ class UrdfReader {
  private:
   /// Links that are fixed to each other: one body.
   struct Solid {
-    const urdf::Link* lead = nullptr;  ///< the first one, whose frame is the body's
+    const urdf::Link* lead = nullptr;  ///< the first link, whose frame is the body's
     Pose frame;                        ///< world
-    std::size_t parent = 0;            ///< in solids_
-    bool fixed = false;                ///< to the world
+    std::size_t parent = 0;            ///< index in solids_
+    bool fixed = false;                ///< fixed to the world
     scene_files::RigidParts parts;     ///< in the lead's frame
     std::size_t shapes = 0;
-    double start = 0.0;          ///< m or rad, of the joint that it hangs on
-    Vec3 origin = Vec3::Zero();  ///< m, the lead's frame from the centre of mass
+    double start = 0.0;          ///< m or rad, of the joint to its parent
+    Vec3 origin = Vec3::Zero();  ///< m, from the centre of mass to the lead's frame
     BodyId body;
   };
   struct Link {
     const urdf::Link* link;
     Pose frame;         ///< world
-    std::size_t solid;  ///< in solids_
+    std::size_t solid;  ///< index in solids_
   };
 
   auto guard(const std::string& where, auto&& call) {
@@ -97,8 +97,8 @@ class UrdfReader {
   void collect(const urdf::Link& root) {
     struct Open {
       const urdf::Link* link;
-      Pose frame;          // at its joint's zero
-      std::size_t parent;  // in solids_
+      Pose frame;          // at zero of its joint
+      std::size_t parent;  // index in solids_
     };
     std::vector<Open> open{{&root, options_.base, 0}};
     std::unordered_set<const urdf::Link*> seen;
@@ -134,7 +134,7 @@ class UrdfReader {
     }
   }
 
-  /// Where the joint is to start: at the caller's place or 0, or as near as its limits let it.
+  /// Start of the joint: the caller's value or 0, or as near as its limits allow.
   double start_of(const urdf::Joint& joint) {
     const auto named = options_.start.find(joint.name);
     const double wanted = named == options_.start.end() ? 0.0 : named->second;
@@ -223,7 +223,7 @@ class UrdfReader {
       scratch_.add_body({.mass = def.mass, .inertia = def.inertia});
     } catch (const std::invalid_argument&) {
       const auto mended = scene_files::mend_inertia(def.inertia, ball(def.mass));
-      if (!mended) return;  // World says why
+      if (!mended) return;  // World refuses it with a reason
       def.inertia = mended->inertia;
       warnings_.add("link",
                     name + " (by " + scene_files::short_number(100.0 * mended->change) + " %)",
@@ -232,7 +232,7 @@ class UrdfReader {
     }
   }
 
-  /// @param frame  the link's in the body's. @param origin  that from the centre of mass, m
+  /// @param frame  of the link, in the body's. @param origin  of that from the centre of mass, m
   void add(const std::string& name, const urdf::Collision& collision, BodyId body,
            const Pose& frame, const Vec3& origin) {
     collision::ColliderDef def{
@@ -286,10 +286,10 @@ class UrdfReader {
       axis.lower = joint.limits->lower;
       axis.upper = joint.limits->upper;
     }
-    // What a motor may do, once it is turned on; none holds it until then.
+    // Bounds for a motor that is turned on later; until then none holds the joint.
     if (joint.limits && joint.limits->effort > 0.0) axis.motor.max_force = joint.limits->effort;
     if (joint.limits && joint.limits->velocity > 0.0) axis.motor.max_speed = joint.limits->velocity;
-    if (joint.type == urdf::Joint::FIXED) return;  // both are of the world
+    if (joint.type == urdf::Joint::FIXED) return;  // both belong to the world
     scene_files::require_within(where, limits_.add(&SceneLimits::joints));
     const Vec3 direction = frame.orientation * vec(joint.axis);
     const pbd::JointId id = guard(where, [&] {
@@ -299,7 +299,7 @@ class UrdfReader {
           shaped(joint.type, axis,
                  pbd::six_dof_joint_at(world, parent, solid.body, frame.position, direction));
       if (solid.start != 0.0) {
-        // Its zero is where the file has it, not where it starts.
+        // Zero is where the file has it, not at the start.
         pbd::JointFrame& zero = def.frame_a;
         if (joint.type == urdf::Joint::PRISMATIC) {
           zero.anchor -= zero.basis * (solid.start * Vec3::UnitX());
@@ -324,7 +324,7 @@ class UrdfReader {
     if (!kept) warnings_.add("joint", name, "mimic is not kept: it moves freely");
   }
 
-  /// @param def  with x along the joint's axis, or the plane's normal
+  /// @param def  frame with x along the joint's axis, or the plane's normal
   static pbd::SixDofJointDef shaped(int type, const pbd::JointAxis& axis, pbd::SixDofJointDef def) {
     for (auto* axes : {&def.linear, &def.angular}) {
       for (pbd::JointAxis& one : *axes) one.freedom = pbd::Freedom::Locked;
@@ -344,13 +344,13 @@ class UrdfReader {
   std::vector<Link> links_;
   std::vector<Solid> solids_;
   std::size_t starts_found_ = 0;
-  pbd::World scratch_;  ///< says whether a mass is one
+  pbd::World scratch_;  ///< checks whether a mass is valid
   scene_files::GroupedWarnings warnings_;
   scene_files::LimitCount limits_{options_.limits};
   urdf_files::MeshFiles meshes_{options_, limits_, warnings_};
 };
 
-/// Elements that urdfdom passes over: whoever reads the result should know.
+/// Warns of elements that urdfdom ignores.
 void warn_of_unknown(const std::string& text, std::vector<std::string>& warnings) {
   TiXmlDocument document;
   document.Parse(text.c_str());
