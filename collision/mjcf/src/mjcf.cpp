@@ -15,7 +15,7 @@
 namespace tandem {
 namespace {
 
-/// MuJoCo's own answer to an error is to write a file, wait for a key and end the process.
+/// By default MuJoCo's error handler writes a file, waits for a key and ends the process.
 class ErrorsThrow {
  public:
   ErrorsThrow() {
@@ -34,7 +34,7 @@ class ErrorsThrow {
   void (*warning_)(const char*) = mju_user_warning;
 };
 
-/// Texts in memory, as MuJoCo takes them.
+/// Texts in memory, for MuJoCo.
 class Files {
  public:
   explicit Files(const std::vector<mjcf::Document>& documents) {
@@ -53,12 +53,12 @@ class Files {
   const mjVFS* get() const { return files_->nfile > 0 ? files_.get() : nullptr; }
 
  private:
-  std::unique_ptr<mjVFS> files_ = std::make_unique<mjVFS>();  // too large for a stack
+  std::unique_ptr<mjVFS> files_ = std::make_unique<mjVFS>();  // too large for the stack
 };
 
 using ModelPointer = std::unique_ptr<mjModel, void (*)(mjModel*)>;
 
-/// By as many readings as it has of what the schema does not know, which goes.
+/// Compiles repeatedly; each pass removes an element that the schema does not know.
 ModelPointer compile(const std::string& path, std::vector<mjcf::Document>& documents, bool strict,
                      std::string_view name, std::vector<std::string>& warnings) {
   constexpr int kReadings = 64;

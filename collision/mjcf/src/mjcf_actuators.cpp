@@ -10,12 +10,12 @@
 namespace tandem::mjcf {
 namespace {
 
-/// Of a hinge or slide of the model.
+/// Actuators of a hinge or slide of the model.
 struct Place {
-  std::size_t joint = 0;  ///< in Tandem
+  std::size_t joint = 0;  ///< index in Tandem
   const Coordinate* coordinate = nullptr;
-  scene_files::Pull pull;  ///< of all that is there
-  int count = 0;           ///< of actuators
+  scene_files::Pull pull;  ///< sum over its actuators
+  int count = 0;           ///< number of actuators
   bool is_driven = false;
 };
 
@@ -51,9 +51,9 @@ std::optional<Actuators::Affine> Actuators::affine(int a) {
   return {};
 }
 
-/// Ranges of control and force, as one of control where the force is that alone, else as the
-/// largest force of a servo.
-/// @param alone  no other one acts at its coordinate
+/// Converts ranges of control and force: to a range of control if the force depends on that alone,
+/// else to the largest force of a servo.
+/// @param alone  no other actuator acts on its coordinate
 void Actuators::limit(int a, const Affine& law, bool alone, SceneFile::Actuator& out) {
   const mjModel& m = model_.m;
   out.lower = -pbd::kUnlimited;

@@ -12,14 +12,13 @@
 namespace tandem::mjcf {
 
 /// The actuators of hinges and slides whose force is affine in control, length and speed. They
-/// become springs and dampers of the coordinate, which have the same force. Others are told as
-/// warnings.
+/// become springs and dampers of the coordinate with the same force. Others give warnings.
 class Actuators {
  public:
   /// @param controls  of the model's actuators, or nullptr: 0
   Actuators(Model& model, const mjtNum* controls) : model_(model), controls_(controls) {}
 
-  /// Before the joints are added.
+  /// Call before the joints are added.
   void put(std::span<BodyJoint> joints);
   /// @param ids  of the joints, in the same order
   void append_to(std::vector<SceneFile::Actuator>& out, std::span<const pbd::JointId> ids) const;
@@ -27,7 +26,7 @@ class Actuators {
  private:
   struct Driven {
     SceneFile::Actuator actuator;
-    std::size_t joint;  ///< of those that were put
+    std::size_t joint;  ///< index among those passed to put()
   };
   /// F = gain control + bias + length_gain length + speed_gain speed, all in the actuator's units.
   struct Affine {

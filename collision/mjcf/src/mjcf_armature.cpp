@@ -17,7 +17,7 @@ void add_armature(Model& model, JointRange joints, Carrier parent, pbd::BodyDef&
   const mjModel& m = model.m;
   const auto [first, end] = joints;
   const auto armature = [&](int j) { return m.dof_armature[m.jnt_dofadr[j]]; };
-  // Along what it cannot move a body may have any mass, so that of all slides has to be one.
+  // A body may have any mass along directions in which it cannot move, so all slides need the same.
   bool slides = parent == Carrier::Fixed && carried(m, joints, parent) == Carrier::Slides;
   for (int j = first; j < end; ++j) slides = slides && armature(j) == armature(first);
   if (slides && armature(first) != 0.0) {
@@ -30,7 +30,7 @@ void add_armature(Model& model, JointRange joints, Carrier parent, pbd::BodyDef&
     if (armature(j) == 0.0) continue;
     const int type = m.jnt_type[j];
     if (parent != Carrier::Turns && (type == mjJNT_HINGE || type == mjJNT_BALL)) {
-      // A hinge turns it about one axis alone: what it has about others does not matter.
+      // A hinge turns it about one axis only: its inertia about others does not matter.
       def.inertia += armature(j) * pbd::Mat3::Identity();
     } else {
       model.warn(mjOBJ_JOINT, j,

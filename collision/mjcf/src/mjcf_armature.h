@@ -6,21 +6,22 @@
 
 namespace tandem::mjcf {
 
-/// How a body is carried, and so which rotors on its joints are the same as more inertia of it.
+/// How a body is carried, which tells the joints whose rotors are equivalent to inertia of the
+/// body.
 enum class Carrier : std::uint8_t {
   Fixed,   ///< to the world
-  Slides,  ///< it moves, but never turns
+  Slides,  ///< it translates, but never turns
   Turns,
 };
 
-/// What joints make of a body whose parent is carried so.
+/// How a body is carried, given its joints and how its parent is.
 Carrier carried(const mjModel& model, JointRange joints, Carrier parent);
 
-/// Armature is inertia of a coordinate: that of a rotor with a gear. Where the coordinate's speed
-/// is the body's own in the world it is added to the body, and nothing moves otherwise than with
-/// the rotor. Elsewhere it is left out, and told.
+/// Armature is inertia of a coordinate: that of a geared rotor. If the coordinate's speed is the
+/// body's own in the world, it is added to the body, which moves as with the rotor. Otherwise it is
+/// left out, with a warning.
 /// @param joints  between the body and its parent
-/// @param parent  how that is carried
+/// @param parent  how the parent is carried
 void add_armature(Model& model, JointRange joints, Carrier parent, pbd::BodyDef& def);
 
 }  // namespace tandem::mjcf

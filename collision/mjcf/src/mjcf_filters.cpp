@@ -20,11 +20,11 @@ Filters::Filters(Model& model) : model_(model) {
       return one.type == other.type && one.affinity == other.affinity;
     };
   };
-  // MuJoCo's default first: bit 0 is what colliders have that an application adds.
+  // MuJoCo's default first: bit 0 is what colliders added by an application have.
   kinds_.push_back({.type = 1, .affinity = 1});
   for (int g = 0; g < model.m.ngeom; ++g) {
     const Kind one = kind(g);
-    if (one.type == 0 && one.affinity == 0) continue;  // it meets nobody
+    if (one.type == 0 && one.affinity == 0) continue;  // meets nothing
     if (std::any_of(kinds_.begin(), kinds_.end(), same(one))) continue;
     if (kinds_.size() == kCategories) {
       throw SceneFileError(
@@ -47,7 +47,7 @@ collision::Filter Filters::operator[](int geom) const {
       return {.category = 1u << k, .mask = kinds_[k].mask};
     }
   }
-  return {.category = 0, .mask = 0};  // it meets nobody, or contacts are off
+  return {.category = 0, .mask = 0};  // meets nothing, or contacts are off
 }
 
 }  // namespace tandem::mjcf

@@ -9,12 +9,12 @@
 
 namespace tandem::mjcf {
 
-/// Which geoms meet: MuJoCo asks whether the one's contype meets the other's conaffinity, either
-/// way round. Each pair of values that occurs is a category of its own.
+/// Which geoms meet: in MuJoCo two geoms meet if the contype of one overlaps the conaffinity of the
+/// other. Each pair of values that occurs becomes a category.
 class Filters {
  public:
   explicit Filters(Model& model);
-  /// Of a geom; categories and masks alone.
+  /// The filter of a geom; category and mask only.
   collision::Filter operator[](int geom) const;
 
  private:
@@ -31,7 +31,7 @@ class Filters {
   }
 
   const Model& model_;
-  std::vector<Kind> kinds_;  ///< one a category
+  std::vector<Kind> kinds_;  ///< one per category
 };
 
 }  // namespace tandem::mjcf

@@ -12,25 +12,26 @@
 namespace tandem::mjcf {
 namespace {
 
-/// Sine or cosine of the angle between axes that are at right angles or parallel.
+/// Tolerance of the sine or cosine for parallel or perpendicular axes.
 constexpr double kAligned = 1e-6;
 constexpr const char* kBackwards = "its coordinate runs the other way here, limits and all";
 
-/// Unit, in the body's frame.
+/// Unit axis in the body's frame.
 Vec3 axis_of(const mjModel& m, int j) { return vec(m.jnt_axis + 3 * j).normalized(); }
 bool is_ball(const mjModel& m, int j) { return m.jnt_type[j] == mjJNT_BALL; }
 bool are_along(const Vec3& u, const Vec3& v) { return u.cross(v).norm() < kAligned; }
 bool are_across(const Vec3& u, const Vec3& v) { return std::abs(u.dot(v)) < kAligned; }
 
-/// What one joint stands for: slides, and at most one that turns.
+/// Joints of the model replaced by one: slides, and at most one that turns.
 struct Chain {
   std::vector<int> slides;
   int turn = -1;
-  /// The slides go with the turn, which stands before them. Along its axis they may stand anywhere.
+  /// The turning joint comes first and takes the slides along. Slides along its axis may be on
+  /// either side.
   bool turn_first = false;
 };
 
-/// Where it is none, nothing.
+/// Nothing if the range cannot be replaced by one joint.
 std::optional<Chain> chain(const mjModel& m, JointRange range) {
   Chain out;
   for (int j = range.first; j < range.end; ++j) {
@@ -72,13 +73,13 @@ class JointReader {
     const int turn = chain_.turn;
     const Vec3 anchor =
         frame_.to_world(vec(m_.jnt_pos + 3 * (turn >= 0 ? turn : chain_.slides[0])));
-    // x is the hinge's axis where there is one: that of twist has no bounds.
+    // x is the hinge's axis if there is one: twist is unbounded.
     const bool on_slide = turn < 0 || (is_ball(m_, turn) && !chain_.slides.empty());
     const Vec3 x = axis(on_slide ? chain_.slides[0] : turn);
-    // Body b slides along the axes of body a: the child along its parent's, or, where it has been
-    // turned before, the parent along those of the child, backwards.
+    // Body b slides along the axes of body a: the child along its parent's, or, after a rotation,
+    // the parent along the child's, with opposite sign.
     const double sign = chain_.turn_first ? -1.0 : 1.0;
-    // Friction of a ball, too, is about the axes of body a: in MuJoCo those of the child.
+    // Friction of a ball is about the axes of body a, too; in MuJoCo about the child's.
     const bool dry_ball = turn >= 0 && is_ball(m_, turn) && chain_.slides.empty() &&
                           dry_friction(m_.jnt_dofadr[turn]) > 0.0;
     const bool child_first = chain_.turn_first || dry_ball;
@@ -89,7 +90,7 @@ class JointReader {
     if (dry_ball) {
       const pbd::Mat3 own = frame_.orientation.toRotationMatrix();
       pbd::Mat3 basis;
-      basis << own.col(2), own.col(0), own.col(1);  // MuJoCo's axis of balls is z
+      basis << own.col(2), own.col(0), own.col(1);  // MuJoCo's ball axis is z
       set_basis(def, world, Quat(basis));
       model_.warn(mjOBJ_JOINT, turn, kBackwards);
     } else {
@@ -111,9 +112,9 @@ class JointReader {
   }
 
  private:
-  /// World, unit.
+  /// Unit axis, world.
   Vec3 axis(int j) const { return frame_.orientation * axis_of(m_, j); }
-  /// y and z along the slides that are at right angles to x, in their direction.
+  /// Sets y and z along the slides perpendicular to x, with their sign.
   void set_axes(pbd::SixDofJointDef& def, const pbd::World& world, const Vec3& x) const {
     std::vector<Vec3> across;
     for (const int j : chain_.slides) {
@@ -148,12 +149,12 @@ class JointReader {
     }
   }
 
-  /// N or N m. MuJoCo has it of each degree of freedom: of a ball about each axis of the child.
+  /// N or N m, per degree of freedom in MuJoCo: for a ball, about each axis of the child.
   double dry_friction(int dof) const {
     return model_.off(mjDSBL_FRICTIONLOSS) ? 0.0 : m_.dof_frictionloss[dof];
   }
 
-  /// @param sign  -1: Tandem's coordinate runs the other way
+  /// @param sign  -1: Tandem's coordinate is reversed
   void coordinate(BodyJoint& out, int at, int j, double sign) {
     out.coordinates.push_back({j, at, sign});
     pbd::JointAxis& axis = scene_files::axis_of(out.def, at);

@@ -8,30 +8,31 @@
 
 namespace tandem::mjcf {
 
-/// A hinge or slide of the model, in a joint of Tandem.
+/// A hinge or slide of the model as a coordinate of a joint in Tandem.
 struct Coordinate {
-  int joint;       ///< in the model
-  int coordinate;  ///< as those of pbd::JointState::position
-  double sign;     ///< -1: it runs the other way
+  int joint;       ///< index in the model
+  int coordinate;  ///< index as in pbd::JointState::position
+  double sign;     ///< -1: it is reversed
 };
-/// Joints of the model that follow each other, from `first` to before `end`.
+/// Consecutive joints of the model, from `first` up to, not including, `end`.
 struct JointRange {
   int first, end;
 };
-/// Some joints of a body, as one.
+/// Several joints of a body, as one.
 struct BodyJoint {
   JointRange range;
   BodyId child;
   pbd::SixDofJointDef def;
-  std::vector<Coordinate> coordinates;  ///< those that are no balls
+  std::vector<Coordinate> coordinates;  ///< without balls
 };
 
-/// A body's joints, none of them free, as few joints of Tandem in their order: between two of them
-/// stands a body. A joint is slides at right angles to each other and a hinge or a ball, either
-/// before all slides or behind them, with the hinge's axis along a slide or at right angles to all.
+/// Splits a body's joints, none of them free, into as few Tandem joints as possible, in order:
+/// between two of them there is an extra body. A joint is slides perpendicular to each other and a
+/// hinge or a ball, either before or after all slides, with the hinge's axis along a slide or
+/// perpendicular to all.
 std::vector<JointRange> joint_ranges(const mjModel& model, int body);
 
-/// MuJoCo takes a body's joints in their order, each in the frame that those before it have moved.
+/// MuJoCo applies a body's joints in order, each in the frame moved by those before it.
 /// @param range  of joint_ranges()
 /// @param frame  of the body, world, at qpos0
 BodyJoint joint_of(Model& model, JointRange range, const pbd::World& world, BodyId parent,

@@ -23,7 +23,7 @@ inline Pose operator*(const Pose& a, const Pose& b) {
   return {a.to_world(b.position), (a.orientation * b.orientation).normalized()};
 }
 
-/// A compiled model, and what is told of it.
+/// A compiled model, and its warnings.
 struct Model {
   const mjModel& m;
   scene_files::GroupedWarnings warnings;
@@ -33,7 +33,7 @@ struct Model {
     const char* text = mj_id2name(&m, kind, id);
     return text == nullptr ? std::string() : text;
   }
-  /// Its number, where it has no name.
+  /// Its index if it has no name.
   std::string title(mjtObj kind, int id) const {
     const std::string text = name(kind, id);
     return text.empty() ? std::to_string(id) : text;
@@ -51,7 +51,7 @@ struct Model {
       throw SceneFileError(where(kind, id) + ": " + error.what());
     }
   }
-  /// Whether <flag> turns something off, by itself or with all of MuJoCo's constraints.
+  /// Whether <flag> disables something, by itself or with all of MuJoCo's constraints.
   bool off(int flag) const {
     constexpr int kConstraints =
         mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_EQUALITY | mjDSBL_FRICTIONLOSS;

@@ -37,7 +37,7 @@ void Reader::place(int b) {
   body.carrier = is_mocap(b) ? Carrier::Turns
                              : carried(m_, {first, first + m_.body_jntnum[b]}, at(parent).carrier);
   body.lead = b;
-  // What stands in the world stays a body of its own: it costs nothing, and has a place in it.
+  // A body fixed to the world stays a body of its own: it costs nothing, and keeps a pose.
   const bool part = b > 0 && m_.body_jntnum[b] == 0 && !is_mocap(b) &&
                     (m_.body_weldid[b] != 0 || is_mocap(at(parent).lead));
   if (part) body.lead = at(parent).lead;
@@ -51,7 +51,7 @@ void Reader::place(int b) {
   } else {
     body.group = lead.group;
   }
-  if (!(m_.body_mass[b] > 0.0)) return;  // a frame
+  if (!(m_.body_mass[b] > 0.0)) return;  // only a frame
   const Pose mass = body.in_lead * pose_of(m_.body_ipos + 3 * b, m_.body_iquat + 4 * b);
   const pbd::Mat3 turn = mass.orientation.toRotationMatrix();
   lead.parts.add(m_.body_mass[b], mass.position,
@@ -106,7 +106,7 @@ void Reader::add_between(int b, pbd::BodyDef& def) {
   add_armature(model_, body.joints.back(), carrier, def);
 }
 
-/// By the damping of a free joint: a force and a torque in proportion to the speeds.
+/// Damping of a free joint: force and torque proportional to the speeds.
 void Reader::damp(int b, pbd::BodyDef& def) {
   const int j = m_.body_jntadr[b];
   if (m_.body_jntnum[b] == 0 || m_.jnt_type[j] != mjJNT_FREE || model_.off(mjDSBL_PASSIVE)) return;
@@ -121,7 +121,7 @@ void Reader::damp(int b, pbd::BodyDef& def) {
 }
 
 void Reader::add_geom(int g, const Filters& filters) {
-  if (m_.geom_contype[g] == 0 && m_.geom_conaffinity[g] == 0) return;  // for the eye alone
+  if (m_.geom_contype[g] == 0 && m_.geom_conaffinity[g] == 0) return;  // visual only
   const Body& body = at(m_.geom_bodyid[g]);
   const BodyId id = at(body.lead).id;
   collision::ColliderDef def{
@@ -163,7 +163,7 @@ double Reader::friction(int g) {
   if (m_.geom_priority[g] != 0) {
     model_.warn(mjOBJ_GEOM, g, "priority is not read: the larger friction of the two counts");
   }
-  // MuJoCo's contacts have the larger condim of the two, and the larger friction.
+  // In MuJoCo a contact has the larger condim and the larger friction of the two.
   if (m_.geom_condim[g] == 1) {
     const bool met = std::any_of(m_.geom_condim, m_.geom_condim + m_.ngeom,
                                  [](int other) { return other != 1; });
@@ -178,12 +178,12 @@ double Reader::friction(int g) {
   return sliding;
 }
 
-/// MuJoCo's contacts are those of hulls, too.
+/// MuJoCo's contacts use hulls, too.
 collision::Hull Reader::hull(int g) {
   const int mesh = m_.geom_dataid[g];
   collision::Hull& known = hulls_[mesh];
   if (known != nullptr) return known;
-  // Of meshes that collide MuJoCo knows the corners of the hull: a few of a scan's thousands.
+  // For colliding meshes MuJoCo knows the corners of the hull: a few of a scan's thousands.
   const int* graph = m_.mesh_graphadr[mesh] < 0 ? nullptr : m_.mesh_graph + m_.mesh_graphadr[mesh];
   const int count = graph == nullptr ? m_.mesh_vertnum[mesh] : graph[0];
   scene_files::require_within(
@@ -191,7 +191,7 @@ collision::Hull Reader::hull(int g) {
       limits_.add(&SceneLimits::hull_points, static_cast<std::size_t>(count)));
   std::vector<Vec3> points;
   for (int i = 0; i < count; ++i) {
-    // Behind the numbers of corners and faces, and an address for each corner.
+    // After the numbers of corners and faces, and an address per corner.
     const int vertex = graph == nullptr ? i : graph[2 + count + i];
     const float* p = m_.mesh_vert + 3 * (m_.mesh_vertadr[mesh] + vertex);
     points.emplace_back(p[0], p[1], p[2]);
@@ -229,8 +229,8 @@ void Reader::tell_free_joint(int j) {
   }
 }
 
-/// Moves all to where they start, and holds them there. Until now they stand at qpos0, which is the
-/// zero of Tandem's coordinates.
+/// Moves all bodies to their start and holds them there. Before, they are at qpos0, the zero of
+/// Tandem's coordinates.
 void Reader::start() {
   std::vector<mjtNum> wanted(m_.qpos0, m_.qpos0 + m_.nq);
   const mjtNum* controls = nullptr;
@@ -269,7 +269,7 @@ void Reader::start() {
     for (int j = first; moved && j < end; ++j) {
       if (m_.jnt_type[j] != mjJNT_HINGE) continue;
       const int q = m_.jnt_qposadr[j];
-      const bool turned = joint.def.b != joint.child;  // the parent in the child's frame
+      const bool turned = joint.def.b != joint.child;  // then the parent in the child's frame
       joint.def.start = (turned ? -1.0 : 1.0) * (wanted[static_cast<std::size_t>(q)] - m_.qpos0[q]);
     }
     const pbd::JointId id =
@@ -283,7 +283,7 @@ void Reader::start() {
   couple(ids);
 }
 
-/// By MuJoCo's own kinematics.
+/// Sets poses by MuJoCo's own kinematics.
 void Reader::set_poses(const std::vector<mjtNum>& coordinates) {
   const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&m_), mj_deleteData);
   if (data == nullptr) throw SceneFileError("MuJoCo: no memory for the model's state");
@@ -299,8 +299,8 @@ void Reader::set_poses(const std::vector<mjtNum>& coordinates) {
   }
 }
 
-/// World, of a body's frame as the joints before one of its own have moved it: MuJoCo tells of the
-/// last alone.
+/// World frame of a body as moved by the joints before one of its own: MuJoCo only gives it for the
+/// last.
 Pose Reader::frame_behind(int b, int joint, const mjData& data) const {
   const int parent = m_.body_parentid[b];
   Pose out = pose_of(data.xpos + 3 * parent, data.xquat + 4 * parent) *
@@ -330,7 +330,7 @@ void Reader::couple(const std::vector<pbd::JointId>& ids) {
 }
 
 /// y - y0 = a0 + a1 (x - x0) + ...: coordinates are 0 at qpos0 here.
-/// @return whether it is one that can be kept
+/// @return whether it can be coupled
 bool Reader::couple(int e, const std::vector<pbd::JointId>& ids) {
   const mjtNum* a = m_.eq_data + mjNEQDATA * e;
   if (m_.eq_obj2id[e] < 0 || a[2] != 0.0 || a[3] != 0.0 || a[4] != 0.0) return false;
@@ -351,7 +351,7 @@ bool Reader::couple(int e, const std::vector<pbd::JointId>& ids) {
                                     sign[1] * a[0]);
 }
 
-/// What is counted alone.
+/// Warns of elements that are only counted.
 void Reader::tell_rest() {
   const auto all = [&](mjtObj kind, int count) {
     for (int i = 0; i < count; ++i) model_.warn(kind, i, "not read");

@@ -24,17 +24,17 @@ class Reader {
   void run();
 
  private:
-  /// By number in the model.
+  /// By index in the model.
   struct Body {
     Pose frame;    ///< world
-    int lead = 0;  ///< whose body in the scene it is a part of: itself, or one before it
-    Pose in_lead;  ///< its frame in that one's
+    int lead = 0;  ///< the body whose scene body it is part of: itself, or an earlier one
+    Pose in_lead;  ///< its frame in the lead's
     Carrier carrier = Carrier::Fixed;
-    std::int32_t group = 0;          ///< of its tree; 0: of the world
-    std::vector<JointRange> joints;  ///< each is one in the scene
-    std::vector<BodyId> between;     ///< between those, in their order
-    BodyId id;                       ///< of those that lead
-    // What those have that lead, of all their parts:
+    std::int32_t group = 0;          ///< group of its tree; 0: of the world
+    std::vector<JointRange> joints;  ///< each is one joint in the scene
+    std::vector<BodyId> between;     ///< bodies between those, in order
+    BodyId id;                       ///< only of leads
+    // Only of leads, over all their parts:
     scene_files::RigidParts parts;
     std::size_t geoms = 0;
   };

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
 
-/// What stands in quotes behind `before`.
+/// The quoted text after `before`.
 std::string quoted(std::string_view message, std::string_view before) {
   const std::size_t at = message.find(before);
   if (at == message.npos) return {};
@@ -29,7 +29,7 @@ struct Range {
   std::size_t begin, end;
 };
 
-/// Where the attribute stands in a tag, with its value; empty where it has none.
+/// Position of the attribute in a tag, with its value; empty if it has none.
 Range attribute_range(std::string_view tag, std::string_view name) {
   std::size_t i = element_of(tag).size();
   while (i < tag.size()) {
@@ -56,7 +56,7 @@ void blank(std::string& text, const Range& range) {
 
 std::vector<Range> find(const SchemaViolation& what, std::string_view text) {
   std::vector<Range> out;
-  std::size_t depth = 0;  // within the element that goes, with itself
+  std::size_t depth = 0;  // within the removed element, counting itself
   std::size_t begin = 0;
   (void)scene_files::for_tags(text, [&](const scene_files::XmlTag& tag) {
     const auto at = static_cast<std::size_t>(tag.text.data() - text.data());
@@ -106,7 +106,7 @@ std::size_t blank_out(const SchemaViolation& what, std::vector<Document>& docume
     for (const Range& range : ranges) blank(document.text, range);
     document.changed = document.changed || !ranges.empty();
     count += ranges.size();
-    // Lines are those of the model.
+    // Line numbers are the model's.
     if (what.attribute.empty()) break;
   }
   return count;
@@ -119,7 +119,7 @@ bool set_autolimits(Document& model) {
     end = static_cast<std::size_t>(tag.text.data() - model.text.data()) + tag.text.size() + 1;
   });
   if (end == 0) return false;
-  // On the same line: those that messages name stay.
+  // On the same line, so that line numbers in messages stay.
   model.text.insert(end, "<compiler autolimits=\"true\"/>");
   model.changed = true;
   return true;
@@ -139,7 +139,7 @@ void append_includes(const std::filesystem::path& folder, std::vector<Document>&
     });
     for (const std::string& file : files) {
       const std::string base = std::filesystem::path(file).filename().string();
-      // MuJoCo knows texts in memory by these names alone.
+      // MuJoCo knows texts in memory by these names only.
       const bool known =
           std::any_of(documents.begin(), documents.end(),
                       [&](const Document& document) { return document.file == base; });

@@ -10,30 +10,30 @@
 
 namespace tandem::mjcf {
 
-/// A text that MuJoCo reads, the model first, then what it includes.
+/// A text that MuJoCo reads: the model first, then its includes.
 struct Document {
   std::string file;  ///< without folders
   std::string text;
   bool changed = false;
 };
 
-/// What MuJoCo's schema does not know, by its own message.
+/// An element or attribute that MuJoCo's schema does not know, by MuJoCo's message.
 struct SchemaViolation {
   std::string element;
-  std::string attribute;  ///< empty: the element itself is not known
-  std::size_t line = 0;   ///< of the model; 0: of an included file, or not told
+  std::string attribute;  ///< empty: the element itself is unknown
+  std::size_t line = 0;   ///< line in the model; 0: in an included file, or unknown
 };
 std::optional<SchemaViolation> schema_violation(std::string_view message);
 
-/// Puts spaces in its place, wherever it is: lines keep their numbers.
-/// @return how often it was there
+/// Overwrites all its occurrences with spaces: line numbers stay.
+/// @return the number of occurrences
 std::size_t blank_out(const SchemaViolation& what, std::vector<Document>& documents);
 
-/// Has a range mean a limit in the model, as later ones of MuJoCo have it by default.
+/// Makes a range imply a limit in the model, the default of later MuJoCo versions.
 /// @return whether there was a place for it
 bool set_autolimits(Document& model);
 
-/// What `documents` includes, and what that does, appended. What cannot be read is left to MuJoCo.
+/// Appends the files that `documents` include, recursively. Unreadable ones are left to MuJoCo.
 void append_includes(const std::filesystem::path& folder, std::vector<Document>& documents);
 
 }  // namespace tandem::mjcf
