@@ -39,7 +39,7 @@ bool FaceCutter::is_taken(std::uint32_t from, std::uint32_t to) const {
 
 void FaceCutter::cut_otherwise(std::span<const std::uint32_t> corners,
                                std::span<Triangle> triangles) const {
-  // Whether the cut is from the first corner to the third one.
+  // Whether the cut is from the first corner to the third.
   const auto has = [&](const Triangle& t, std::uint32_t v) {
     return std::find(t.begin(), t.end(), v) != t.end();
   };
@@ -48,7 +48,7 @@ void FaceCutter::cut_otherwise(std::span<const std::uint32_t> corners,
   const auto at = [&](std::size_t i) { return corners[(from + i) % 4]; };
   if (!is_taken(at(0), at(2)) || is_taken(at(1), at(3))) return;
   const std::array<Triangle, 2> other{Triangle{at(1), at(2), at(3)}, Triangle{at(3), at(0), at(1)}};
-  // Both on the front of what they take the place of.
+  // Both must face the front of the triangles that they replace.
   const auto normal = [&](const Triangle& t) {
     const pbd::Vec3& a = vertices_[t[0]];
     return pbd::Vec3((vertices_[t[1]] - a).cross(vertices_[t[2]] - a));

@@ -21,7 +21,7 @@ namespace {
 using collision::Mesh;
 using collision::TriangleMesh;
 
-/// The number that follows `marker` in the message, or -1.
+/// The number after `marker` in the message, or -1.
 std::ptrdiff_t number_after(const std::string& message, const std::string& marker) {
   const std::size_t at = message.find(marker);
   if (at == std::string::npos) return -1;
@@ -62,7 +62,7 @@ Mesh build(const std::string& text, std::string_view name, const ObjOptions& opt
   FaceCutter cutter(obj.vertices, obj.faces);
   FaultyLines left_out;
   for (const Face& face : obj.faces) {
-    // Cutting them into triangles takes the third power of the time.
+    // Triangulation takes cubic time.
     constexpr std::size_t kMaxCorners = 256;
     if (face.corners.size() > kMaxCorners) {
       refuse(name, face.line, "corners of a face", "at most " + std::to_string(kMaxCorners),
@@ -80,7 +80,7 @@ Mesh build(const std::string& text, std::string_view name, const ObjOptions& opt
   try {
     return TriangleMesh::make(obj.vertices, triangles);
   } catch (const std::invalid_argument& error) {
-    // It names a triangle; whoever wrote the file knows lines.
+    // The error names a triangle; users need the line.
     const std::ptrdiff_t t = number_after(error.what(), "triangles[");
     const bool known = t >= 0 && t < static_cast<std::ptrdiff_t>(lines.size());
     const std::string line = known ? ":" + std::to_string(lines[static_cast<std::size_t>(t)]) : "";

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// tinyobjloader reads the text. It takes what is no number for 0, does not look whether an index
-// names a vertex, and tells no line; so the lines that count are looked at here first.
+// tinyobjloader parses the text. It reads invalid numbers as 0, does not check indices and reports
+// no lines; so relevant lines are checked here first.
 #include "obj_parser.h"
 
 #include <tiny_obj_loader.h>
@@ -27,7 +27,7 @@ std::string_view take_word(std::string_view& line) {
   return word;
 }
 
-/// Where the whole of `word` is a number.
+/// Parses the whole of `word` as a number.
 bool read(std::string_view word, auto& value) {
   if (word.starts_with('+')) word.remove_prefix(1);
   return pbd::detail::parse_number(word, value);
@@ -58,12 +58,12 @@ void check_face(std::string_view line, std::string_view name, std::size_t number
   }
 }
 
-/// What the library's callbacks fill.
+/// Filled by the library's callbacks.
 struct Builder {
   std::string_view name;
   std::vector<std::size_t> face_lines;
   ObjText out;
-  /// The number that names no vertex; a callback must not throw through the library.
+  /// The first index without a vertex; a callback must not throw through the library.
   std::string error;
   std::size_t error_line = 0;
 

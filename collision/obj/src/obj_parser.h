@@ -26,7 +26,7 @@ struct ObjText {
 /// @throws std::invalid_argument  see load_obj.h
 ObjText parse(const std::string& text, std::string_view name);
 
-/// Throws std::invalid_argument: "name:line: what must be rule, is value"; line 0 is left out.
+/// Throws std::invalid_argument: "name:line: what must be rule, is value"; without line if it is 0.
 [[noreturn]] void refuse(std::string_view name, std::size_t line, std::string_view what,
                          std::string_view rule, std::string_view value = {});
 

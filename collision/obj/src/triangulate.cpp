@@ -10,7 +10,7 @@ namespace {
 
 using pbd::Vec3;
 
-/// Twice the area of a triangle over the square of its longest edge: below this it is a line.
+/// Twice the area of a triangle over the square of its longest edge, below which it is degenerate.
 constexpr double kFlat = 1e-9;
 
 struct Corners {
@@ -37,7 +37,7 @@ bool holds(const Corners& t, const Vec3& n, const Vec3& p) {
 bool triangulate(std::span<const Vec3> vertices, std::span<const std::uint32_t> polygon,
                  std::vector<collision::TriangleMesh::Triangle>& out) {
   std::vector<std::uint32_t> rest(polygon.begin(), polygon.end());
-  // The normal as a sum over edges, which a corner that points inwards does not turn over.
+  // The normal as a sum over edges, which concave corners do not flip.
   Vec3 normal = Vec3::Zero();
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const Vec3& first = vertices[rest[0]];

@@ -9,9 +9,9 @@
 
 namespace tandem::obj {
 
-/// Append the triangles of a plane polygon, convex or not: ears are cut off, the one with the
-/// shortest cut first. Source: [ericson2005] Sec. 12.5.
-/// @return false where the polygon has no area or crosses itself; `out` is then of no use
+/// Appends the triangles of a plane polygon, convex or not, by ear clipping, shortest cut first.
+/// Source: [ericson2005] Sec. 12.5.
+/// @return false if the polygon has no area or intersects itself; `out` is then invalid
 bool triangulate(std::span<const pbd::Vec3> vertices, std::span<const std::uint32_t> polygon,
                  std::vector<collision::TriangleMesh::Triangle>& out);
 
