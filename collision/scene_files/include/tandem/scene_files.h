@@ -78,9 +78,9 @@ struct TANDEM_API SceneFile {
 inline constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 26;
 inline constexpr int kMaxSceneDepth = 24;
 
-/// Limits for one document of any format; a document that exceeds one is refused with its name.
-/// With the defaults 10 MB from an untrusted source take some seconds, and the first step takes no
-/// longer than one in a heap of ten thousand boxes. Later growth of a scene is not limited.
+/// Limits for one document of any format; errors name the limit that was exceeded. With the
+/// defaults 10 MB from an untrusted source take some seconds, and the first step takes no longer
+/// than one in a heap of ten thousand boxes. Later growth of a scene is not limited.
 struct TANDEM_API SceneLimits {
   std::size_t nodes = std::size_t{1} << 18;  ///< of glTF
   std::size_t bodies = std::size_t{1} << 16;

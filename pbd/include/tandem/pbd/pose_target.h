@@ -34,8 +34,8 @@ struct TANDEM_API PoseTarget {
   double share = 0.0;  ///< of the gap, closed per 1/60 s, 0 to 1; 1 = the remote owns the body
   TargetMotion motion = TargetMotion::WithBody;
   /// Rotation vector (rad, world) from the local orientation to the target's; replaces
-  /// `pose.orientation` if `use_rotation_error` is set. Needed for fused rotations, whose
-  /// share-fraction is the exact average and which may be longer than half a turn.
+  /// `pose.orientation` if `use_rotation_error` is set. A fused rotation, a share
+  /// of which is the exact average, may exceed half a turn.
   Vec3 rotation_error = Vec3::Zero();
   bool use_rotation_error = false;
 };

@@ -49,7 +49,7 @@ struct TANDEM_API ConstraintId {
 /// and optionally
 ///   forgive (at the start of a step, rows with a body in SubstepContext::displaced),
 ///   bool find_gap (at the start of a step, all other rows: see has_gaps()),
-///   begin_substep, displace, solve_velocity, finish_velocity, begin_displacement,
+///   begin_substep, solve_velocity, finish_velocity, begin_displacement,
 ///   project_displacement, end_displacement, end_step;
 ///   bool names(BodyId) const, append_edges(std::vector<ConstraintEdge>&) const
 ///   (both for the bodies beyond the first two of a row);

@@ -16,7 +16,7 @@ namespace tandem::obj {
 
 struct TANDEM_API ObjOptions {
   double scale = 1.0;  ///< m per unit of the file, > 0
-  /// Limits of a file, by these names in errors.
+  /// Limits of a file; errors use these names.
   std::size_t points = std::size_t{1} << 22;
   std::size_t triangles = std::size_t{1} << 22;
   /// Whether invalid faces are errors: no area, self-intersection, an edge with two triangles on
