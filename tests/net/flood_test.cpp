@@ -319,7 +319,8 @@ TEST_CASE(
   CHECK(world.node(1).strangers().refused == 0);
 }
 
-// What a datagram of a stranger costs, for docs/protocol.md: never a test's business.
+// What a datagram of a stranger costs, for docs/history/network-figures.md: never a test's
+// business.
 TEST_CASE("measure: processor time of a stranger's datagram", "[.measure]") {
   World world({.delay = kMs});
   world.start(1);
