@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 """Sessions over UDP between separate processes, through a proxy that is a bad network, beside the same
-sessions in virtual time. Writes network.csv and docs/network-measurements.md.
+sessions in virtual time. Writes network.csv, docs/network-measurements.md and the rows in its folder.
 
     benchmarks/network.py build/release/bin results            three seeds
     benchmarks/network.py build/release/bin results --report   from what is there
