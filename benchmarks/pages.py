@@ -3,9 +3,11 @@
 """How pages of measurements are written: long tables lie beside the page as CSV."""
 import csv
 import re
+import textwrap
 from pathlib import Path
 
 MOST_ROWS = 24  # of a table within a page
+WIDTH = 120     # columns of prose
 
 
 def _slug(heading):
@@ -19,6 +21,29 @@ def _cells(line):
 def table(head, lines):
     return ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)] + [
         "| " + " | ".join(line) + " |" for line in lines]
+
+
+def aside(page, name, lines):
+    """Write a Markdown table as CSV into the page's folder. Returns the target of a link to it."""
+    page = Path(page)
+    file = page.with_suffix("") / f"{name}.csv"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with file.open("w", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerows(_cells(line) for line in [lines[0], *lines[2:]])
+    return f"{file.parent.name}/{file.name}"
+
+
+def wrapped(text):
+    """Prose at WIDTH columns; headings, tables and pictures stay as they are."""
+    out = []
+    for line in text.split("\n"):
+        if len(line) <= WIDTH or line.startswith(("|", "#", "![")):
+            out.append(line)
+        else:
+            out += textwrap.wrap(line, WIDTH, subsequent_indent="  " if line.startswith("- ") else "",
+                                 break_long_words=False, break_on_hyphens=False)
+    return "\n".join(out)
 
 
 def sections(path):

@@ -14,8 +14,9 @@ from pathlib import Path
 from matplotlib.colors import LogNorm
 
 import demo_runs
+import pages
 import stats
-from svg_figure import on_page, plt, save_svg
+from svg_figure import plt, save_svg
 
 PROFILES = (3, 5)
 SECONDS = {"cubes": 16, "room": 40, "piano": 18, "cliff": 2}
@@ -25,14 +26,14 @@ KEYS = ["scenario", "part", "profile", "seed", "seconds"]
 WHOLE = "-"
 # Name of --ablate, and what the run does without.
 PARTS = {
-    "channels": "the displacement channel: what agreement moves becomes velocity",
+    "channels": "the displacement channel: corrections become velocity",
     "velocities": "agreement of velocities",
-    "motion": "targets that feel what the body feels within the step",
+    "motion": "targets that follow the body's forces within the step",
     "rotation": "the exact rotation mean; plain geodesics",
     "replay": "the replay; states carried to now by velocity",
-    "initiative": "whoever acted last leading",
-    "leading": "a leader's higher share; it still does not listen",
-    "arbitration": "the lower id deciding where no average helps",
+    "initiative": "the last to act leads",
+    "leading": "a leader's higher share",
+    "arbitration": "the lower id decides where no average helps",
     "ramp": "authority that grows from zero",
     "refine": "more substeps where they are needed",
 }
@@ -235,6 +236,11 @@ def _summary(effects, part, measure):
     return text + (f", {lost} lost" if lost else "")
 
 
+def _matters(effects, part, measure):
+    """Whether a part makes a difference beyond the interval in any cell."""
+    return any(e[1] > 1.0 or e[2] < 1.0 for (p, _, m), e in effects.items() if p == part and m == measure)
+
+
 def _price(prices, part):
     """How many more instructions the whole takes than without the part, least to most over seeds."""
     found = []
@@ -258,25 +264,45 @@ def _overhead(counts):
     return spent / rest if rest > 0 else None
 
 
-def _aggregation(results):
+def _aggregation(results, page):
+    """One target that is the mean, against one row for each peer."""
     rows = {(int(r["peers"]), int(r["sweeps"])): r
             for r in demo_runs.read(results / "ablation_rows.csv")}
     if not rows:
         return []
-    peers = sorted({p for p, _ in rows})
-    sweeps = sorted({s for _, s in rows})
-    lines = ["", "One target that is the mean, against one row for each peer: what is missed of the "
-             "way to the weighted mean (position / rotation, rms), and CPU time per body and step of "
-             "four substeps, without any contact.", "",
-             "| | " + " | ".join(f"{p + 1} peers" for p in peers) + " |",
-             "|---|" + "---|" * len(peers)]
-    for s in sweeps:
-        name = "the mean" if s == 0 else f"rows, {s} sweep{'s' if s > 1 else ''}"
-        lines.append(f"| {name} | " + " | ".join(
-            f"{100 * float(rows[p, s]['miss_position']):.2g} % / "
-            f"{100 * float(rows[p, s]['miss_rotation']):.2g} %, "
-            f"{1e-3 * float(rows[p, s]['cpu_ns']):.2g} us" for p in peers) + " |")
-    return lines
+    peers, sweeps = sorted({p for p, _ in rows}), sorted({s for _, s in rows})
+
+    def miss(p, s):
+        return (f"{100 * float(rows[p, s]['miss_position']):.2g} % / "
+                f"{100 * float(rows[p, s]['miss_rotation']):.2g} %")
+
+    def time(p, s):
+        return f"{1e-3 * float(rows[p, s]['cpu_ns']):.2g} us"
+
+    file = pages.aside(page, "rows_for_each_peer", pages.table(
+        ["target", *(f"{p + 1} peers" for p in peers)],
+        [["the mean" if s == 0 else f"rows, {s} sweep{'s' if s > 1 else ''}",
+          *(f"{miss(p, s)}, {time(p, s)}" for p in peers)] for s in sweeps]))
+    most = peers[-1]
+    return [f"*One target against one row for each peer*, {most + 1} peers, per body and step: the mean as target "
+            f"misses {miss(most, 0)} of the way (position / rotation, rms) in {time(most, 0)}; rows miss "
+            f"{miss(most, 1)} in one sweep and {time(most, 1)}, {miss(most, sweeps[-1])} in {sweeps[-1]} sweeps and "
+            f"{time(most, sweeps[-1])} ([all]({file}); no contacts).", ""]
+
+
+def _finding(effects, prices):
+    lost = {p: n for p in PARTS if (n := sum(math.isinf(effects[k][0]) for k in effects
+                                             if k[0] == p and k[2] == "all_p95_mm"))}
+    cells = len({k[1] for k in effects})
+    silent = [p for p in PARTS if not any(_matters(effects, p, m) for m in MEASURES)]
+    text = "".join(f"Without *{p}* {n} of {cells} cells break. " for p, n in lost.items())
+    if prices:
+        shared, none = _overhead(prices["one pass"]), _overhead(prices["nothing agreed"])
+        text += (f"Targets and displacement add {100 * shared:.1f} % to a step of cubes (bound 10 %), "
+                 f"{100 * none:.3f} % where nothing is shared. *replay* adds {_price(prices, 'replay')} instructions. ")
+    if silent:
+        text += f"No effect shows of {', '.join(f'*{p}*' for p in silent)}."
+    return text.strip()
 
 
 def report(results: Path, docs: Path) -> str:
@@ -285,46 +311,32 @@ def report(results: Path, docs: Path) -> str:
         return "## What each part is worth\n\nNot measured."
     effects = _effects(rows)
     seeds = sorted({int(r["seed"]) for r in rows})
-    figure = results / "figures" / "ablation.svg"
-    _draw(rows, effects, figure)
-    lines = ["## What each part is worth", "",
-             "Each run does without one part (`--ablate`), with the same inputs and seeds as the whole "
-             f"(from {seeds[0]} to {seeds[-1]}). Lost are cells in which a run without the part broke. "
-             "Ratios without / with: above 1 the part helps; geometric mean over cells (scenes at "
-             "profiles 3 and 5), and in how many it is worse / better without beyond the seeds' 95 % "
-             "interval (cliff has one seed: a number without a verdict). Lengths that differ by less "
-             "than 0.1 mm count as equal. The price is in instructions of solver and peers on cubes "
-             "(callgrind, 3 s, two seeds, without refinement): how many more with the part, least to "
-             "most; what is below some 3 % either way is chance. Peak speed is no merit: below 1 throws "
-             "and strokes lose without the part, or it disturbs. Energy is what agreement put into "
-             "velocities in a run, both peers, median over all scenes but cliff.", ""]
-    if prices:
-        shared, none = prices["one pass"], prices["nothing agreed"]
-        cost, idle = _overhead(shared), _overhead(none)
-        lines += ["| must hold | measured | holds |", "|---|---|---|",
-                  f"| targets and displacement cost at most 10 % of the step without them, "
-                  f"cubes | {100 * cost:.1f} % | {'yes' if cost <= 0.1 else 'no'} |",
-                  f"| nothing where nothing is shared | {100 * idle:.3f} % | "
-                  f"{'yes' if idle < 1e-3 else 'no'} |", ""]
-    lines += [on_page(figure, docs, "effects of all parts in all cells"), "",
-              "| without | what it is | " + " | ".join(MEASURES.values())
-              + " | energy, J | price |", "|---|---|" + "---|" * (len(MEASURES) + 2),
-              "| - | nothing |" + " |" * len(MEASURES) + f" {_energy(rows, WHOLE)} | |"]
-    for part, what in PARTS.items():
-        lines.append(f"| {part} | {what} | " + " | ".join(
-            _summary(effects, part, m) for m in MEASURES)
-            + f" | {_energy(rows, part)} | {_price(prices, part)} |")
+    _draw(rows, effects, results / "figures" / "ablation.svg")
+    page = docs / "one-pass-vs-two-step.md"
+    whole = pages.aside(page, "ablation", pages.table(
+        ["without", "description", *MEASURES.values(), "energy, J", "price"],
+        [["-", "nothing", *[""] * len(MEASURES), _energy(rows, WHOLE), ""],
+         *([p, what, *(_summary(effects, p, m) for m in MEASURES), _energy(rows, p), _price(prices, p)]
+           for p, what in PARTS.items())]))
+    lines = ["## What each part is worth", "", _finding(effects, prices), "",
+             f"Each run leaves out one part (`--ablate`; seeds {seeds[0]} to {seeds[-1]}). Ratios are without / with, "
+             "above 1 the part helps: geometric means over scenes at profiles "
+             f"{' and '.join(str(p) for p in PROFILES)}; in brackets, cells that are worse / better without beyond "
+             "the interval; *lost*: cells that broke. Cliff has one seed, so no verdict. Prices are additional "
+             "instructions of solver and peers (callgrind, cubes, 3 s, two seeds, no refinement); below 3 % they are "
+             "chance.", "",
+             *pages.table(["without", "description", "all p95", "price"],
+                          [[p, what, _summary(effects, p, "all_p95_mm"), _price(prices, p)]
+                           for p, what in PARTS.items() if _matters(effects, p, "all_p95_mm")]), "",
+             f"The table has the parts with an effect on p95 beyond the interval. [All parts and measures]({whole}) "
+             "include peak speed and the energy that agreement puts into velocities. *arbitration* is for copies "
+             "caught apart and *ramp* for newcomers: see `coupling_test` and `peer_newcomer_test`.", ""]
     if prices:
         steps = {name: counts.get("step", 0) for name, counts in prices.items() if name in CASES}
-        lines += ["", "Where the instructions go, cubes at profile 3, 6 s, of the solver's step:", "",
-                  "| stage | " + " | ".join(steps) + " |", "|---|" + "---|" * len(steps)]
-        for stage in STAGES:
-            if stage != "step":
-                lines.append(f"| {stage} | " + " | ".join(
-                    _percent(prices[n].get(stage, 0), steps[n]) for n in steps) + " |")
-        lines.append("| agreement, of the step without it | " + " | ".join(
-            f"{100.0 * _overhead(prices[n]):.1f} %" for n in steps) + " |")
-        lines.append("| the step, millions | " + " | ".join(
-            f"{s / 1e6:.0f}" for s in steps.values()) + " |")
-    lines += _aggregation(results)
-    return "\n".join(lines) + "\n"
+        stages = [[stage, *(_percent(prices[n].get(stage, 0), steps[n]) for n in steps)]
+                  for stage in STAGES if stage != "step"]
+        stages.append(["agreement, of the step without it", *(f"{100.0 * _overhead(prices[n]):.1f} %" for n in steps)])
+        stages.append(["the step, millions", *(f"{s / 1e6:.0f}" for s in steps.values())])
+        file = pages.aside(page, "instructions", pages.table(["stage", *steps], stages))
+        lines += [f"[Instructions by stage of the step]({file}): cubes, profile 3, 6 s.", ""]
+    return "\n".join(lines + _aggregation(results, page))

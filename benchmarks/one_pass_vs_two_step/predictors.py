@@ -7,8 +7,9 @@ from pathlib import Path
 from matplotlib.ticker import LogLocator, NullFormatter
 
 import demo_runs
+import pages
 import stats
-from svg_figure import on_page, plt, save_svg
+from svg_figure import plt, save_svg
 
 PREDICTORS = ("none", "euler", "replay")
 COLOURS = ("#8e8e8e", "#1f5fa8", "#c0392b")
@@ -144,47 +145,46 @@ def report(results: Path, docs: Path) -> str:
     for (scenario, profile, scheme, predictor, share), v in table.items():
         if v is None:
             unstable.setdefault((scheme, scenario, profile, predictor), []).append(share)
-    lines = ["## Which prediction with which share", "",
-             "Every predictor at shares of 0.02 to 0.5, in the pass and before it; the same inputs, "
-             "means over seeds of what is apart (p95 of all shared bodies). A share is what a peer "
-             "announces (a leader's is raised), and of a replay the share "
-             "of the gap that it closes.", "",
-             "| question | measured | holds |", "|---|---|---|"]
-    for scheme in SCHEMES:
-        good = [first[scheme, s, p] for s, p in cells]
-        lines.append(f"| the default predictor within 10 % of the best at its best share, {scheme} | "
-                     f"{sum(good)} of {len(good)} | {'yes' if all(good) else 'no'} |")
-    for scheme in SCHEMES:
-        found = [v for k, v in table.items() if k[2] == scheme]
-        good = sum(v is not None for v in found)
-        lines.append(f"| every combination stable, {scheme} | {good} of {len(found)} | "
-                     f"{'yes' if good == len(found) else 'no'} |")
-    lines += ["", on_page(figure, docs, "divergence over share, by predictor"), ""]
-    if unstable:
-        lines += ["Not stable: " + "; ".join(
-            f"{scheme}, {scenario}, profile {profile}, {predictor} at " + ", ".join(shares)
-            for (scheme, scenario, profile, predictor), shares in sorted(unstable.items())) + ".", ""]
-    lines += ["All p95 (mm) at the default share (0.08, of a replay 0.25), and the least share that is "
-              "within 10 % of the best of all predictors and shares of the cell (- = none); one pass, "
-              "then two steps. Below: jerk (rms, m/s3) at the default share.", "",
-              "| predictor | " + " | ".join(f"{s} {p}" for s, p in cells) + " |",
-              "|---|" + "---|" * len(cells)]
+    def value(scenario, profile, scheme, predictor):
+        return table.get((scenario, profile, scheme, predictor, _default(predictor)))
+
+    whole, brief = [], []
     for predictor in PREDICTORS:
         row = []
         for scenario, profile in cells:
             parts = []
             for scheme in SCHEMES:
                 best = _best(table, 0, scenario=scenario, profile=profile, scheme=scheme)
-                value = table.get((scenario, profile, scheme, predictor, _default(predictor)))
-                parts.append(f"{stats.short(value[0]) if value else 'lost'} "
+                found = value(scenario, profile, scheme, predictor)
+                parts.append(f"{stats.short(found[0]) if found else 'lost'} "
                              f"({_needed(table, scenario, profile, scheme, predictor, best)})")
             row.append(" / ".join(parts))
-        lines.append(f"| {predictor} | " + " | ".join(row) + " |")
+        whole.append([predictor, *row])
+        brief.append([predictor, *(
+            " / ".join(stats.short(v[k]) for k in (0, 2)) if (v := value(s, p, SCHEMES[0], predictor)) else "lost"
+            for s, p in cells if p == PROFILES[-1])])
     for predictor in PREDICTORS:
-        row = []
-        for scenario, profile in cells:
-            values = [table.get((scenario, profile, s, predictor, _default(predictor)))
-                      for s in SCHEMES]
-            row.append(" / ".join(stats.short(v[2]) if v else "lost" for v in values))
-        lines.append(f"| jerk, {predictor} | " + " | ".join(row) + " |")
-    return "\n".join(lines) + "\n"
+        whole.append([f"jerk, {predictor}", *(
+            " / ".join(stats.short(v[2]) if (v := value(s, p, scheme, predictor)) else "lost" for scheme in SCHEMES)
+            for s, p in cells)])
+    counts = {scheme: (sum(v is not None for k, v in table.items() if k[2] == scheme),
+                       sum(k[2] == scheme for k in table)) for scheme in SCHEMES}
+    near = {scheme: sum(first[scheme, s, p] for s, p in cells) for scheme in SCHEMES}
+    file = pages.aside(docs / "one-pass-vs-two-step.md", "predictors", pages.table(
+        ["predictor", *(f"{s} {p}" for s, p in cells)], whole))
+    return "\n".join([
+        "## Which prediction with which share", "",
+        f"The {OURS} at its best share is within 10 % of the best predictor at its own in {near['one-pass']} of "
+        f"{len(cells)} cells in one pass and {near['two-step']} in two steps. {counts['one-pass'][0]} of "
+        f"{counts['one-pass'][1]} combinations are stable in one pass, {counts['two-step'][0]} of "
+        f"{counts['two-step'][1]} in two steps.", "",
+        f"A share ({SHARES[0]} to {SHARES[-1]}) is the influence that a peer announces (a leader's is raised); for a "
+        f"replay, the part of the gap that it closes. One pass, profile {PROFILES[-1]}, default share "
+        f"({_default('')}, of a replay {DEFAULT[OURS]}), all p95 in mm / jerk in m/s³:", "",
+        *pages.table(["predictor", *(s for s, p in cells if p == PROFILES[-1])], brief), "",
+        *(["Not stable: " + "; ".join(
+            f"{scheme}, {scenario} {profile}, {predictor} at "
+            + ("all shares" if set(shares) == set(SHARES) else ", ".join(shares))
+            for (scheme, scenario, profile, predictor), shares in sorted(unstable.items())) + ".", ""]
+          if unstable else []),
+        f"[All cells, both couplings]({file}), with the least share within 10 % of the best of the cell.", ""])
