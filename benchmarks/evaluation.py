@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Runs the five scenarios over networks and seeds, and writes tables, figures and docs/evaluation.md.
+"""Runs the five scenarios over networks and seeds, and writes tables, figures and docs/evaluation.md
+with the long tables beside it.
 
     benchmarks/evaluation.py build/release/bin results            everything
     benchmarks/evaluation.py build/release/bin results --quick    two seeds
@@ -45,6 +46,7 @@ def main():
     parser.add_argument("--report", action="store_true", help="run nothing")
     parser.add_argument("--recorded", action="store_true",
                         help="recorded hands and what they are set beside, and that section alone")
+    parser.add_argument("--note", default="", help="which code and machine were measured, for the head of the page")
     parser.add_argument("--docs", type=Path, default=HERE.parent / "docs")
     args = parser.parse_args()
 
@@ -58,8 +60,8 @@ def main():
     if args.recorded:
         recorded.write(cells.load(matrix, args.out), args.docs)
         return
-    import report  # draws
-    report.write(cells.load(matrix, args.out), args.out, args.docs)
+    import page  # draws
+    page.write(cells.load(matrix, args.out), args.out, args.docs, args.note)
 
 
 if __name__ == "__main__":

@@ -9,8 +9,9 @@ HOLDING = {"one": ("cubes", "room"), "several": ("cubes", "room", "piano")}
 SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
 
 
-def _row(what, measured, bound, holds):
-    return {"what": what, "measured": measured, "bound": bound, "holds": holds}
+def _row(what, measured, bound, holds, brief=None):
+    """@param brief  what is measured, in few words, for the page"""
+    return {"what": what, "measured": measured, "bound": bound, "holds": holds, "brief": brief or measured}
 
 
 def _most(results, keys, path, factor, limit, unit, what, bound=None):
@@ -63,6 +64,7 @@ def _divergence(results):
         limit = worst(results.get(every[4]), "limit_of_all_m.p99", MM)
         if limit is not None:
             row["measured"] += f"; {short(limit)} mm is the physical limit's"
+            row["brief"] += f" (physical limit {short(limit)})"
         rows.append(row)
     rows.append(_most(results, [("cliff", "default", 5)], "divergence_m.p50", MM, 10, "mm",
                       "cliff: median, profile 5"))
@@ -81,8 +83,9 @@ def _by_profile(what, over, under, bound, holds, unit=""):
     if not ratios:
         return _row(what, "not run", bound, None)
     text = ", ".join(short(r) for r, _ in ratios)
+    least, most = (f(r for r, _ in ratios) for f in (min, max))
     return _row(what, f"{text}{unit} at profiles {', '.join(str(p) for _, p in ratios)}", bound,
-                holds([r for r, _ in ratios]))
+                holds([r for r, _ in ratios]), f"{short(least)} to {short(most)}")
 
 
 def _against_none(results):
@@ -222,7 +225,8 @@ def _cost(results):
     load = [r["cpu_s"] / (r["peers"] * r["seconds"]) for r in cells if r.get("cpu_s")]
     return [_row("cliff: parse + process + aggregate, for each object and update",
                  f"{short(max(sums))} us, mean {short(sum(sums) / len(sums))} us "
-                 f"(targets in the pass: {short(targets)} us more)", "<= 1 us", max(sums) <= 1),
+                 f"(targets in the pass: {short(targets)} us more)", "<= 1 us", max(sums) <= 1,
+                 f"{short(max(sums))} us, mean {short(sum(sums) / len(sums))}"),
             _row("cliff: processor time of a whole peer, of real time",
                  f"{short(max(load))} x" if load else "not run", "<= 1 x",
                  max(load) <= 1 if load else None)]

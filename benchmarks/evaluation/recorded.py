@@ -37,22 +37,36 @@ def _over_limit(results, variants):
     return f"{short(min(known))} to {short(max(known))}" if known else "-"
 
 
-def section(results):
+def _brief(results):
+    """At profile 5: p95 of what moves, and of what one user holds beside its limit."""
+    lines = []
+    for s in cells.RECORDED:
+        for hands, variant in (("scripted", cells.scripted(s)), ("recorded", "recorded")):
+            own = results.get((s, variant, 5))
+            if own:
+                lines.append([s, hands] + [short(mean(own, path, factor)) for path, factor in (
+                    ("divergence_shared_moving_m.p95", 1e3), ("held_limit_m.p95", 1e3), ("held_by_one_m.p95", 1e3),
+                    ("smoothness.pops_per_minute", 1.0))])
+    return table(["scenario", "hands", "moving p95, mm", "limit p95, mm", "held by one p95, mm",
+                  "pops a minute"], lines)
+
+
+def section(results, page):
     own = [r for (_, variant, _), v in results.items() if variant == "recorded" for r in v]
     first, last = (f(r["seed"] for r in own) for f in (min, max))
     return [
         HEADING, "",
-        "Users whose hands do what a room's page recorded ([hands.md](hands.md#recorded-hands)), beside "
-        "the scripted ones, of the same build. **No person moved**: both records were made by "
-        "`tests/room/synthetic_hands.mjs`, which drives the page with a pointer that overshoots, corrects, "
-        f"pauses and trembles. Seeds {first} to {last}, which draw noise, orders and links; the hands are the "
-        "same in all. What moves: of what nobody owns, jumps left out. Springs of the piano are "
-        "those of its variant soft, which all peers know. Limit: [as above](#the-physical-limit). Written by `benchmarks/evaluation.py --recorded`.",
-        "", *_lines(results), "",
-        "Of what one user holds in cubes and room, p95 is "
-        f"{_over_limit(results, lambda s: 'recorded')} times the limit's with recorded hands and "
-        f"{_over_limit(results, cells.scripted)} times with scripted ones: copies are further apart since "
-        "these hands turn and stop more sharply, which nobody can foresee.", ""]
+        f"In cubes and room, p95 of what one user holds is {_over_limit(results, lambda s: 'recorded')} times the "
+        f"[physical limit](#the-physical-limit) with recorded hands and {_over_limit(results, cells.scripted)} times "
+        "with scripted ones. Copies are further apart with recorded hands because these turn and stop more sharply, "
+        "which no peer can foresee. Profile 5:", "",
+        *_brief(results), "",
+        f"[All profiles]({pages.aside(page, 'recorded_hands', _lines(results))}). Recorded hands do the work of a "
+        "room's page ([hands.md](hands.md#recorded-hands)); scripted ones are of the same build. **No person moved**: "
+        "`tests/room/synthetic_hands.mjs` made both records by driving the page with a pointer that overshoots, "
+        f"corrects, pauses and trembles. Seeds {first} to {last} draw noise, orders and links; the hands are the same "
+        "in all. Moving bodies are those without owner, jumps left out. The piano is its variant *soft*, whose springs "
+        "all peers know. `benchmarks/evaluation.py --recorded` writes this section.", ""]
 
 
 def write(results, docs):
@@ -61,5 +75,5 @@ def write(results, docs):
     sections = pages.sections(page)
     sections.pop(HEADING, None)
     rest = "".join(sections.values()).rstrip("\n")
-    pages.write(page, rest + "\n\n" + "\n".join(section(results)))
+    pages.write(page, rest + "\n\n" + pages.wrapped("\n".join(section(results, page))))
     print(page)

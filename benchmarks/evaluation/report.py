@@ -1,16 +1,11 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Tables (CSV and docs/evaluation.md) and figures from the results of the matrix."""
+"""Tables from the results of the matrix."""
 import csv
-import json
 
-import figures
 import must_hold
-import pages
-import recorded
 from pages import table
 from stats import get, interval, mean, over, short, text, values
-from svg_figure import on_page
 
 SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
 CLASSES = ("resting", "touching", "free", "held", "owned")
@@ -75,6 +70,19 @@ def divergence_lines(results):
                   "p95, degrees", "influence 0: p50, mm", "p95, mm"], lines)
 
 
+def brief_lines(results):
+    """Divergence of all bodies for the head of the page, mm."""
+    lines = []
+    for s in SCENARIOS:
+        own = {p: results.get((s, "default", p)) for p in (1, 3, 5)}
+        if own[5]:
+            lines.append([s, short(mean(own[5], "divergence_m.p50", 1e3))]
+                         + [short(mean(own[p], "divergence_m.p95", 1e3)) for p in own]
+                         + [short(mean(own[5], "divergence_m.p99", 1e3)),
+                            short(mean(results.get((s, "control", 5)), "divergence_m.p95", 1e3))])
+    return table(["mm", "p50, profile 5", "p95, 1", "p95, 3", "p95, 5", "p99, 5", "p95, 5, influence 0"], lines)
+
+
 def class_lines(results):
     lines = []
     for s in SCENARIOS:
@@ -126,26 +134,25 @@ def stretch_lines(results):
                   "over alone: p50 / p95 / p99"], lines)
 
 
-def latency_lines(results):
+def latency_lines(results, tell):
+    """@param tell  turns results and a path into a cell"""
     paper = {1: 3.5, 2: 6, 3: 28.5, 4: 63.5, 5: 123.5}
     lines = []
     for p in range(1, 6):
         every = [r for s in SCENARIOS for r in results.get((s, "default", p), [])]
         if every:
-            lines.append([str(p), str(paper[p]), text(every, "link_ms.mean"),
-                          text(every, "link_ms.std"), text(every, "effective_latency_ms.mean"),
-                          text(every, "effective_latency_ms.std"),
-                          text(every, "effective_latency_ms.p99")])
-    return table(["profile", "paper's link, ms", "our link, mean ms", "std", "effective, mean ms",
-                  "std", "p99"], lines)
+            lines.append([str(p), str(paper[p])] + [tell(every, path) for path in (
+                "link_ms.mean", "link_ms.std", "effective_latency_ms.mean", "effective_latency_ms.p99")])
+    return table(["profile", "paper's link, ms", "our link", "std", "effective latency", "p99"], lines)
 
 
-def cost_lines(results):
+def cost_lines(results, tell):
+    """@param tell  turns results and a path into a cell"""
     paper = {"parse": "11", "process": "19", "aggregate": "35", "targets": "-"}
     lines = []
     for name, whole in paper.items():
         lines.append([name, whole] + [
-            text([r for p in range(1, 6) for r in results.get((s, "default", p), [])],
+            tell([r for p in range(1, 6) for r in results.get((s, "default", p), [])],
                  f"overhead_us_per_object.{name}") for s in SCENARIOS])
     return table(["us", "paper, Table 4", *SCENARIOS], lines)
 
@@ -255,101 +262,3 @@ def holds(row):
 def must_hold_table(rows):
     return table(["what", "measured", "bound", "holds"],
                  [[r["what"], r["measured"], r["bound"], holds(r)] for r in rows])
-
-
-def write(results, out, docs):
-    out.mkdir(parents=True, exist_ok=True)
-    motion_file = out / "motion.json"
-    motion = json.loads(motion_file.read_text()) if motion_file.exists() else {}
-    write_csv(results, out / "cells.csv")
-    rows = must_hold.rows(results, motion)
-    with (out / "must_hold.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, ("what", "measured", "bound", "holds"))
-        writer.writeheader()
-        writer.writerows(rows)
-    figures.draw(results, out / "figures")
-    docs.mkdir(parents=True, exist_ok=True)
-    seeds = max((len(v) for v in results.values()), default=0)
-    runs = sum(len(v) for v in results.values())
-    first = min((r["seed"] for v in results.values() for r in v), default=1)
-    yes = sum(r["holds"] is True for r in rows)
-
-    def figure(name, caption):
-        return ["", on_page(out / "figures" / f"{name}.svg", docs, caption), ""]
-
-    lines = [
-        "# Evaluation", "",
-        "Written by `benchmarks/evaluation.py` from what it measured: run that again instead of "
-        "editing here.", "",
-        f"Two peers, {runs} runs, up to {seeds} seeds from {first} on; defaults everywhere, nothing is tuned for a "
-        "scenario or a profile. Profiles are those of [friston] Table 3. Numbers are means over "
-        "seeds ± half of the 95 % confidence interval. Every percentile counts every sample of "
-        "every body, outliers and teleports included, unless said. The paper gives its figures "
-        "without tables: of those its words are quoted.", "",
-        "## Findings", "",
-        f"{yes} of {len(rows)} bounds hold, each in its worst seed unless a ratio of means is given. "
-        "Those that do not:", "",
-        *must_hold_table([r for r in rows if r["holds"] is not True]), "",
-        "## What must hold", "", *must_hold_table(rows), "",
-        "## Consistency", "",
-        "Paper: typically 1 to 10 cm without outliers, up to several metres with them "
-        "(its Figure 9). Whisker: the largest value that the paper would not have called an "
-        "outlier.", "", *divergence_lines(results),
-        *figure("evaluation_divergence", "divergence of position"),
-        *figure("evaluation_rotation", "divergence of rotation"),
-        *figure("evaluation_over_time", "divergence over time"),
-        "p50 / p95 in mm of each class: owned by one user, held by a spring, else resting up to "
-        "5 cm/s, and above that touching something or free. Jumps (teleports) are left out for "
-        "0.3 s.", "", *class_lines(results), "",
-        "### The physical limit", "",
-        "Nobody can know what a hand has done since the last news left: of a body that one user "
-        "holds, half its acceleration times the age of the news squared. The age is that at the end "
-        "of the step in which the news is used: the effective latency of that direction and one "
-        "step. Limit and ours are of the same samples: what one user holds and nobody else does.",
-        "",
-        *limit_lines(results), "",
-        "### Stretch", "",
-        "Between a user's hand and the point of the body that it holds: every spring at the "
-        "start of every step, at that user's own peer. Held by one: nobody else in the session "
-        "holds the body at that time; by several: two users or more do. Alone: the same inputs "
-        "at one peer, where all users act on one world and nothing is late, in the same series; "
-        "ratios are of means over seeds. In cubes and room a load that hangs from its hand "
-        "stretches the springs by 1 cm, with or without a network; the springs of the piano are "
-        "known to one peer each, and each drags the whole load of its own world.",
-        "", *stretch_lines(results), "",
-        "## Latency", "", *latency_lines(results),
-        *figure("evaluation_link", "latency of the link"),
-        *figure("evaluation_latency", "effective latency"),
-        "## Overhead", "", "For each shared object and update, in us. Targets: time of the total "
-        "channel in the solver's pass, for each body with a target; the paper has none, it averages "
-        "before the step.", "", *cost_lines(results), "",
-        "## Motion", "",
-        "Speed of what two peers share at profile 5, against the same alone: largest difference.", "",
-        *(motion_lines(motion) if motion else ["Not run."]),
-        *figure("evaluation_acceleration", "acceleration"),
-        "## Jitter", "",
-        "Ours / the same inputs at one peer. Residual: what is above 5 Hz in the difference between "
-        "the two ways; where the world is chaotic (cliff) it is large for the best of networks, and "
-        "in tennis, where a racket that does the same again misses, ours are set beside a run with "
-        "the same users for whom nothing is late. Pops: corrections above 5 mm in one step, over all bodies.", "",
-        *jitter_lines(results), *figure("evaluation_jitter", "jitter"),
-        "## Agreement of worlds", "",
-        "Contacts differ: of pairs that touch at either peer, the share that does not at both. "
-        "Agreed: from the last input until no body that nobody owns is more than 5 mm apart; in "
-        "brackets in how many runs that came. Overlap looks at boxes, balls, and half-spaces at z = 0, "
-        "from the poses alone; hulls, cylinders and triangles are passed over (how deep balls went "
-        "into the cliff is in its score below).", "", *world_lines(results), "",
-        "## Variants", "",
-        "At profile 5, of what nobody owns. Uneven: 60 and 72 steps a second. The piano's default is "
-        "two haptic devices whose springs the other peer does not know; soft sends them, mouse gives "
-        "one user a mouse, tug has both pull in opposite directions.", "",
-        *variant_lines(results), "",
-        "## Modes", "",
-        "[friston] Sec. 7.1, of what nobody owns. Soft: all peers simulate every user's springs. "
-        "Asymmetric: each peer its own user's alone. Hard: none; hands drag bodies, and physics has "
-        "no say in those.", "", *mode_lines(results), "",
-        "## Success", "", *success_lines(results), ""]
-    if any(variant == "recorded" for _, variant, _ in results):
-        lines += recorded.section(results)
-    pages.write(docs / "evaluation.md", "\n".join(lines))
-    print(f"{yes} of {len(rows)} bounds hold; {docs / 'evaluation.md'}")

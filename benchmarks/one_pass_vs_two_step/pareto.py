@@ -382,4 +382,5 @@ def report(results: Path, docs: Path) -> str:
         "- One pass is worse in: " + ("; ".join(losses) if losses else "none") + ".",
         f"- With the paper's prediction one pass is worse in {plain[1]} of {plain[0]}, and at least twice as good "
         f"in {plain[2]}.",
-        *([f"- From one pass's worst setting to its best, divergence and overlap fall {', '.join(gains)} (medians)."] if gains else []), ""])
+        *([f"- From one pass's worst setting to its best, divergence and overlap fall {', '.join(gains)} (medians)."]
+          if gains else []), ""])
