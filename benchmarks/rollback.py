@@ -5,7 +5,7 @@
 networks, people and seeds.
 
   benchmarks/rollback.py BIN run     benchmarks/data/rollback.csv, a line for each run
-  benchmarks/rollback.py BIN tables  means over seeds, of which the page shows some
+  benchmarks/rollback.py BIN tables  means over seeds, in docs/rollback/*.csv and here; the page shows some of them
 
 BIN is the folder of a build. Processor time is of what else the machine does as well: compare it within one run.
 """
@@ -17,6 +17,10 @@ import pathlib
 import subprocess
 import sys
 
+sys.dont_write_bytecode = True
+import pages
+
+PAGE = pathlib.Path(__file__).parents[1] / "docs/rollback.md"
 DATA = pathlib.Path(__file__).parent / "data/rollback.csv"
 WAYS = ["tandem", "owner", "owner-shown", "rollback-0", "rollback-0-12", "rollback-0-12-100", "rollback-3-12"]
 LONG = ["cubes", "room", "piano", "tennis"]
@@ -69,14 +73,17 @@ def mean(rows, column):
     return "-" if math.isnan(result) else f"{result:.0f}" if result >= 100 else f"{result:.2g}"
 
 
-def table(name, keys, columns, rows):
-    """Markdown: a line for each of `keys` (what the columns of the CSV must be), means over seeds."""
-    print(f"\n{name}\n\n| | " + " | ".join(SHOWN) + " | seeds |\n|" + "---|" * (len(SHOWN) + 2))
+def table(file, name, keys, columns, rows):
+    """A line for each of `keys` (what the columns of the CSV must be), means over seeds: printed, and as CSV."""
+    lines = []
     for label, key in keys.items():
         cell = [[row for row in rows if row["way"] == way and all(row[c] == v for c, v in key.items())]
                 for way in SHOWN]
-        texts = [" / ".join(mean(group, column) for column in columns) for group in cell]
-        print(f"| {label} | " + " | ".join(texts) + f" | {len(cell[0])} |")
+        lines.append([label, *(" / ".join(mean(group, column) for column in columns) for group in cell),
+                      str(len(cell[0]))])
+    found = pages.table([name, *SHOWN, "seeds"], lines)
+    print("", *found, sep="\n")
+    pages.aside(PAGE, file, found)
 
 
 def tables():
@@ -98,14 +105,15 @@ def tables():
                for scene in ("cubes", "table") for label, key in others.items() for profile in "35"
                if any(all(row[c] == v for c, v in {"scene": scene, "profile": profile, **key}.items()) for row in rows)}
     keys.update(special)
-    table("Apart p95, mm / jump p99, mm / largest jump, mm", keys,
+    table("apart_and_jumps", "apart p95, mm / jump p99, mm / largest jump, mm", keys,
           ["moving_p95_mm", "jump_p99_mm", "jump_max_mm"], rows)
-    table("Stretch p95, mm: held by one / by several", keys, ["stretch_one_p95_mm", "stretch_several_p95_mm"], rows)
-    table("Processor time, ms: mean / p50 / p99; solver steps a frame; kB/s", keys,
+    table("stretch", "stretch p95, mm: held by one / by several", keys,
+          ["stretch_one_p95_mm", "stretch_several_p95_mm"], rows)
+    table("cost", "processor time, ms: mean / p50 / p99 / solver steps a frame / kB/s", keys,
           ["cpu_mean_ms", "cpu_p50_ms", "cpu_p99_ms", "steps_per_frame", "kbyte_per_s"], rows)
-    table("Frames stalled / s to come in / first frame that differs", special,
+    table("special", "frames stalled / s to come in / first frame that differs (-1: none)", special,
           ["stalled", "joined_s", "desync_frame"], rows)
-    table("Peers with faults", keys, ["faults"], rows)
+    table("faults", "peers with faults", keys, ["faults"], rows)
 
 
 def main():
