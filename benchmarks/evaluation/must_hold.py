@@ -165,10 +165,10 @@ def _tennis(results):
 def _motion(motion):
     rows = []
     for name, value in (motion or {}).get("replay", {}).items():
-        rows.append(_row(f"no treacle: {name}, speed against alone, profile 5",
+        rows.append(_row(f"{name}: difference of speed from alone, profile 5",
                          f"{100 * value:.3g} %", "<= 0.1 %", value <= 0.001))
     if not rows:
-        rows.append(_row("no treacle", "not run", "<= 0.1 %", None))
+        rows.append(_row("difference of speed from alone", "not run", "<= 0.1 %", None))
     return rows
 
 

@@ -295,13 +295,14 @@ def _finding(effects, prices):
                                              if k[0] == p and k[2] == "all_p95_mm"))}
     cells = len({k[1] for k in effects})
     silent = [p for p in PARTS if not any(_matters(effects, p, m) for m in MEASURES)]
-    text = "".join(f"Without *{p}* {n} of {cells} cells break. " for p, n in lost.items())
+    text = "".join(f"Without {PARTS[p].split(':')[0]} {n} of {cells} cells break. " for p, n in lost.items())
     if prices:
         shared, none = _overhead(prices["one pass"]), _overhead(prices["nothing agreed"])
         text += (f"Targets and displacement add {100 * shared:.1f} % to a step of cubes (bound 10 %), "
-                 f"{100 * none:.3f} % where nothing is shared. *replay* adds {_price(prices, 'replay')} instructions. ")
+                 f"{100 * none:.3f} % where nothing is shared. The replay adds {_price(prices, 'replay')} "
+                 "instructions. ")
     if silent:
-        text += f"No effect shows of {', '.join(f'*{p}*' for p in silent)}."
+        text += f"No effect shows of the parts {', '.join(f'*{p}*' for p in silent)}."
     return text.strip()
 
 

@@ -149,7 +149,8 @@ def _finding(compared):
     return (("With the same replayed mean as target the coupling makes little difference. " if small else "")
             + f"Two steps leave {ratio:.2f} times the divergence of one pass at p95, with "
             f"{part('overlap p99, mm')[0]:.2f} times the overlap (p99). At p95 one pass is better in {ours} of "
-            f"{ours + neither + theirs} cells of scenario and profile, two steps in {theirs}.")
+            f"{ours + neither + theirs} cells of scenario and profile, two steps in {theirs}; two steps have "
+            f"less jerk in {part('jerk rms, m/s3')[3]}.")
 
 
 def _ratios(runs_of):

@@ -285,7 +285,8 @@ def report(results, docs):
         f"0.03 is the precision of the energy account. [Each scene at profile 5]({scenes}): largest distance between "
         "two copies (180 degrees: in degrees), and overlap, over the run and in its last second.", "",
         *([f"Scenes of equal geometry in which one pass ends further apart than {name}, by over a tenth and 0.1 mm "
-           f"(mm, one pass / the other): {'; '.join(found)}." for name, found in loses.items()] + [""] if loses else []),
+           f"(mm, one pass / the other): {'; '.join(found)}." for name, found in loses.items()]
+          + [""] if loses else []),
         f"*Topology*: {LINK_OF_TOPOLOGY} frames of delay, nothing relayed. {_box(rows)}"
         f"[All scenes]({topology}): frames to 1 % / 1 mm, one pass; two steps.", "",
         "*Cost*: 20 stacks of five, the others' states millimetres off. For each body a step takes "

@@ -140,5 +140,5 @@ def report(results, docs):
         f"With delays to {MOST_DELAY} frames one pass is stable in {total(within, 'one-pass')} of "
         f"{most * len(scenes)} cases (bound: all), with unequal ways or a fifth of the packets lost in "
         f"{uneven_sums['one-pass'][0]} of {uneven_sums['one-pass'][1]}. [By scene]({by_scene}), with the speed that "
-        f"the chain keeps (0.71 where one copy swung and one hung). [By link]({by_link}): 2 and 14 or 30 frames, and 20 % "
+        f"the chain keeps. [By link]({by_link}): 2 and 14 or 30 frames, and 20 % "
         "loss with 3 frames of jitter and reordering.", ""])
