@@ -113,7 +113,8 @@ def write(results, out, docs, note=""):
         "(its Figure 9); it gives no tables. The table counts outliers.",
         f"- **Tasks.** {measured['stable, nothing lost']} with agreement and default modes are stable and lose "
         f"nothing. The piano arrives at both peers in {measured['piano: delivered at both peers, profile 5']} runs at "
-        f"profile 5. Strokes keep rallies of table tennis going {measured[RALLY].split(' at profiles')[0]} as often as without delay, at profiles 1 to 5.",
+        f"profile 5. Strokes keep rallies of table tennis going {measured[RALLY].split(' at profiles')[0]} as often as "
+        "without delay, at profiles 1 to 5.",
         f"- **Latency.** At profile 5 a state is {short(mean(farthest, 'effective_latency_ms.mean'))} ms old when it "
         f"is used, on a link of {short(mean(farthest, 'link_ms.mean'))} ms.",
         f"- **Cost.** Parsing, processing and aggregating an object takes {short(min(whole))} to {short(max(whole))} "
