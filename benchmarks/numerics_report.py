@@ -13,6 +13,7 @@ import csv
 import json
 import shutil
 import sys
+import textwrap
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -39,6 +40,16 @@ DEFAULTS = {
     "heap": [("penetration_mean_end", 1e3, "overlap, mm"), ("mean_z", 1, "mean height, m"),
              ("touching_pairs", 1, "pairs")],
 }
+SCENES = {
+    "stacks": "ten stacks of ten cubes",
+    "pyramid": "120 cubes",
+    "ratio": "five cubes, each ten times as heavy as the one below",
+    "chain": "50 links and a ball of 1000 times the mass of one",
+    "cliff": "1000 balls over a step of 8192 triangles",
+    "katamari": "900 cubes under one of 53 times their mass",
+    "heap": "8000 boxes between walls",
+}
+FLOOR = 1e-6  # mm or m; smaller errors are not told apart
 # Neither more nor less of these is better.
 NEUTRAL = ("mean_z", "touching_pairs")
 
@@ -108,36 +119,63 @@ def numerics_lines(rows):
     return lines
 
 
-def worse_lines(points, rows, peers):
-    """Everything in these files at which Tandem comes off worse."""
-    lines = []
-    for scene, measures in DEFAULTS.items():
-        ours = runs.default_of(points, "tandem", scene)
-        for engine in ("bullet64", "bullet32"):
-            theirs = runs.default_of(points, engine, scene)
-            if not ours or not theirs:
-                continue
-            if ours.time > theirs.time:
-                lines.append(f"- {scene}: {runs.ENGINES[engine]} at its default needs "
-                             f"{theirs.time:.3g} ms, Tandem {ours.time:.3g} ms.")
-            for measure, factor, heading in measures:
-                if measure not in NEUTRAL and ours.error(measure) > theirs.error(measure):
-                    lines.append(f"- {scene}: {heading}: {runs.ENGINES[engine]} "
-                                 f"{theirs.error(measure, factor):.3g}, Tandem "
-                                 f"{ours.error(measure, factor):.3g}.")
+def errors(peers):
+    """Each scene with the measure it is drawn by: our point, the others', the measure, its factor and name."""
+    for scene in SCENES:
         ours = runs.default_of(peers, "tandem", scene)
-        for engine, name in runs.PEERS.items():
-            theirs = runs.default_of(peers, engine, scene)
-            if not ours or not theirs:
-                continue
-            if ours.time > theirs.time:
-                falls = ", and falls" if theirs.value("fell") == 1.0 else ""
-                lines.append(f"- {scene}: {name} needs {theirs.time:.3g} ms{falls}; Tandem beside it "
-                             f"{ours.time:.3g} ms.")
-            for measure, factor, what, unit in peer_table.OUTCOMES[scene]:
-                if measure not in NEUTRAL and ours.error(measure) > theirs.error(measure):
-                    lines.append(f"- {scene}: {what}: {name} {theirs.error(measure, factor):.3g} {unit}, "
-                                 f"Tandem {ours.error(measure, factor):.3g} {unit}.")
+        others = [p for p in (runs.default_of(peers, e, scene) for e in runs.NAMES if e != "tandem") if p]
+        if ours and others:
+            measure, factor, what = runs.ERRORS[scene][0]
+            yield ours, others, measure, factor, what
+
+
+def finding_table(peers):
+    lines = ["| scene | error | Tandem | the best other |", "|---|---|---|---|"]
+    for ours, others, measure, factor, what in errors(peers):
+        best = min(others, key=lambda p: p.error(measure))
+        own = ours.error(measure, factor)
+        lines.append(f"| {ours.scene} | {what} | {f'{own:.3g}' if own >= FLOOR else f'< {FLOOR:g}'} | "
+                     f"{float(f'{best.error(measure, factor):.3g}'):g} ({runs.NAMES[best.engine]}) |")
+    return lines
+
+
+def time_lines(peers):
+    """Tandem's time over that of each other engine."""
+    out = []
+    for engine, name in runs.NAMES.items():
+        ratios = [ours.time / p.time for ours, others, *_ in errors(peers) for p in others if p.engine == engine]
+        if ratios:
+            out.append(f"{name} {min(ratios):.2g} to {max(ratios):.2g} (slower in {sum(r > 1 for r in ratios)})")
+    return ", ".join(out)
+
+
+def findings(peers, rows, bounds, everyday_lines):
+    scenes = list(errors(peers))
+    least = sum(ours.error(m) <= min(p.error(m) for p in others) for ours, others, m, *_ in scenes)
+    ours = [row for row in rows if row["engine"] == "tandem" and row["pass"] != "n/a"]
+    held = sum(row["pass"] == "yes" for row in ours)
+    kept = sum(not line.endswith("**no** |") for line in bounds[2:])
+    names = "; ".join(f"*{scene}*, {what}" for scene, what in SCENES.items())
+    return ["## Findings", "",
+            f"Seven scenes, each engine at its default: {names}.", "", *finding_table(peers), "",
+            f"- **Error**: Tandem's is the least in {least} of {len(scenes)} scenes.",
+            f"- **Time**: Tandem's over theirs, in the best scene and in the worst: {time_lines(peers)}.",
+            f"- **Bounds**: {held} of {len(ours)} lines of the [numerics set](#the-numerics-set) hold, and {kept} of "
+            f"{len(bounds) - 2} of the [bounds](#what-must-hold) on these scenes.",
+            *everyday_lines, *joints.findings(), *(HERE / "data" / "findings.md").read_text().splitlines(), ""]
+
+
+def worse_lines(points, rows, peers, bounds):
+    """Everything in these files at which Tandem comes off worse, but times."""
+    lines = []
+    for scene in DEFAULTS:
+        ours = runs.default_of(peers, "tandem", scene)
+        others = [p for p in peers if ours and p.scene == scene and p.setting == "default" and p is not ours]
+        for measure, factor, what, unit in peer_table.OUTCOMES[scene]:
+            less = ", ".join(f"{p.error(measure, factor):.3g} in {runs.NAMES[p.engine]}" for p in others
+                             if measure not in NEUTRAL and ours.error(measure) > p.error(measure))
+            if less:
+                lines.append(f"- {scene}, {what}, {unit}: {ours.error(measure, factor):.3g}; {less}.")
     by_line = {}
     for row in rows:
         by_line.setdefault((row["case"], row["measure"]), {})[row["engine"]] = row
@@ -147,9 +185,14 @@ def worse_lines(points, rows, peers):
             continue
         beside = f"; Bullet double: {short(theirs['value'])}" if theirs and \
             theirs["pass"] == "yes" else ""
-        lines.append(f"- {case}, {measure}: {short(ours['value'])}, error {short(ours['error'])}, "
-                     f"the bound is {short(ours['bound'])} {ours['unit']}{beside}.")
-    return lines or ["Nowhere in what was measured here."]
+        error = f", error {short(ours['error'])}" if ours["error"] != ours["value"] else ""
+        lines.append(f"- {case}, {measure}, {ours['unit']}: {short(ours['value'])}{error}, the bound is "
+                     f"{short(ours['bound'])}{beside}.")
+    for line in bounds[2:]:
+        what, measured, bound, holds = (cell.strip() for cell in line.strip("|").split(" | "))
+        if holds != "yes":
+            lines.append(f"- {what}: {measured}, the bound is {bound}.")
+    return lines
 
 
 def peer_lines(points, machine):
@@ -157,14 +200,28 @@ def peer_lines(points, machine):
     versions = f"{machine['peers']}. " if "peers" in machine else ""
     heap = runs.default_of(points, "tandem", "heap")
     repeats = max(len(p.times) for p in points)
-    return [f"{versions}All in one session on {machine['date']}, the engines taking turns, each at its "
-            f"default, as long as above, medians of {repeats} runs"
-            f"{f', {len(heap.times)} of the heap' if heap else ''}. The machine was in use: ratios "
-            "count, times do not. What each engine runs with, how it is built and how to repeat this: "
-            "[benchmarks/peers](../benchmarks/peers/README.md). A heap whose columns still stand has "
-            "fewer pairs to solve: its mean height says so.", "",
-            "![Error and time of seven engines](engines.svg)", "",
+    return [f"{versions}One session on {machine['date']}, the engines taking turns, "
+            f"{f'medians of {repeats} runs' if repeats > 1 else 'one run each'}"
+            f"{f', {len(heap.times)} of the heap' if heap and repeats > 1 else ''}. "
+            "The machine was in use: compare ratios, not times. [benchmarks/peers](../benchmarks/peers/README.md) "
+            "says what each engine runs with, how it is built and how to repeat this. A heap whose columns still "
+            "stand has fewer pairs to solve: its mean height tells.", "",
             *peer_table.tables(points)]
+
+
+def wrapped(lines):
+    """Paragraphs and items of lists in lines of up to 120 columns; all else as it is."""
+    text = ""
+    for line in [*lines, ""]:
+        ends = not line or line[0] in "|!#@" or line.startswith("- ")
+        if ends and text:
+            yield from textwrap.wrap(text, 120, break_long_words=False, break_on_hyphens=False,
+                                     subsequent_indent="  " if text.startswith("- ") else "")
+            text = ""
+        if ends and not line.startswith("- "):
+            yield line
+        else:
+            text = f"{text} {line.strip()}".lstrip()
 
 
 def kernel_lines(path):
@@ -190,28 +247,33 @@ def compared(results):
     if not any(p.engine in runs.PEERS for p in points):
         peers = runs.read(HERE / "data" / "peers.csv")
         peers_machine = json.loads((HERE / "data" / "peers.json").read_text())
+    bounds = must_hold.table(points)
+    lines = everyday.findings(results)
     out = ["# Numerics", "",
-           "Written by `benchmarks/measure.sh` from what it measured: run that again instead of "
-           "editing here.", "", *machine_lines(machine), "",
-           "Times are processor time of one thread for a frame of 1/60 s. Times on this machine "
-           "vary with what else it does: compare within this page only. Each engine is at its "
-           "default setting unless said; no scene is tuned.", "",
-           "## What must hold", "", *must_hold.table(points), "",
-           "## Error against run time", "",
-           "Seven scenes, the engines taking turns, each over its range of substeps and iterations. "
-           "Overlap is measured from the poses with the sharp shapes, the same for all engines. All "
-           "runs on this page last 10 s, the chain's 5 s.", "",
+           "How exact Tandem is and what it costs beside Bullet, Jolt, Box3D and PhysX. "
+           "`benchmarks/measure.sh` measures all of it and writes this page: run that instead of editing here.", "",
+           *findings(peers, rows, bounds, lines),
+           "## Where Tandem is worse", "",
+           "Its time, wherever a figure in brackets [below](#seven-scenes) is more than 1. Beyond that:", "",
+           *worse_lines(points, rows, peers, bounds), "",
+           "## Seven scenes", "",
+           *machine_lines(machine), "",
+           "Times are processor time of one thread for a frame of 1/60 s. No scene is tuned. Runs last 10 s, the "
+           "chain's 5 s. Overlap is measured from the poses with sharp shapes, the same in all engines.", "",
+           "![Error and time of seven engines](engines.svg)", "",
+           *peer_lines(peers, peers_machine), "",
+           "Error against run time, Tandem and Bullet over their ranges of substeps and iterations:", "",
            "![Error against run time](work_precision.svg)", "",
-           "At the default settings; in brackets the spread over the repeats:", "",
+           "@csv at_the_default_settings Tandem and Bullet at their defaults: means, medians, outcomes",
            *default_lines(points), "",
-           "## Beside Jolt, Box3D and PhysX", "", *peer_lines(peers, peers_machine), "",
-           "## Where Tandem is worse", "", *worse_lines(points, rows, peers), ""]
+           "## What must hold", "", *bounds, ""]
     return out, peers
 
 
 def numerics_set(results):
     return ["## The numerics set", "",
-            "`benchmarks/numerics`, at the default settings over 10 s. \"no\" = outside the bound.", "",
+            "`benchmarks/numerics`, at the default settings over 10 s, beside a closed form, a difference equation or "
+            "a converged reference. \"no\" = outside the bound.", "",
             *numerics_lines(read_csv(results / "numerics.csv")), ""]
 
 
@@ -224,8 +286,7 @@ def time_section(_):
     return ["## Where the time goes", "", (HERE / "data" / "time.md").read_text()]
 
 
-COMPARED = ("", "## What must hold", "## Error against run time", "## Beside Jolt, Box3D and PhysX",
-            "## Where Tandem is worse")
+COMPARED = ("", "## Findings", "## Where Tandem is worse", "## Seven scenes", "## What must hold")
 # The other sections in the page's order.
 SECTIONS = {"## The numerics set": numerics_set, everyday.HEADING: everyday.section,
             joints.HEADING: joints.section, "## Kernels": kernels, "## Where the time goes": time_section}
@@ -266,7 +327,7 @@ def main():
             out += section(args.results)
         except FileNotFoundError:
             out += kept(heading)
-    pages.write(page, "\n".join(out))
+    pages.write(page, "\n".join(wrapped("\n".join(out).splitlines())))
     print(f"wrote {page}")
     return 0
 

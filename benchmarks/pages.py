@@ -55,32 +55,37 @@ def sections(path):
 
 def write(path, text):
     """Write a page. Tables of more than MOST_ROWS rows become files in a folder of the page's name,
-    called after the heading that they stand under; the page links to them. Files that `text` links to
-    already, since it was kept from the last time, stay as they are."""
+    called after the heading that they stand under; the page links to them. So does every table under a line
+    "@csv NAME TITLE", by that name and in a line of a list. Files that `text` links to already, since it was kept from
+    the last time, stay as they are."""
     path = Path(path)
     folder = path.with_suffix("")
     kept = set(re.findall(rf"\({re.escape(folder.name)}/([^)]*\.csv)\)", text))
     for old in folder.glob("*.csv") if folder.is_dir() else ():
         if old.name not in kept:
             old.unlink()
-    out, table, names, heading = [], [], {}, "table"
+    out, table, names, heading, aside = [], [], {}, "table", None
+
+    def next_file():
+        while True:
+            names[heading] = names.get(heading, 0) + 1
+            number = f"_{names[heading]}" if names[heading] > 1 else ""
+            file = folder / f"{heading}{number}.csv"
+            if file.name not in kept:
+                return file
 
     def end_table():
         rows = table[2:]
-        if len(rows) <= MOST_ROWS:
+        if len(rows) <= MOST_ROWS and not aside:
             out.extend(table)
         else:
-            while True:
-                names[heading] = names.get(heading, 0) + 1
-                number = f"_{names[heading]}" if names[heading] > 1 else ""
-                file = folder / f"{heading}{number}.csv"
-                if file.name not in kept:
-                    break
+            file = folder / f"{aside[0]}.csv" if aside else next_file()
             folder.mkdir(parents=True, exist_ok=True)
             with file.open("w", newline="") as stream:
                 writer = csv.writer(stream, lineterminator="\n")
                 writer.writerows(_cells(line) for line in [table[0], *rows])
-            out.append(f"[Table of {len(rows)} rows]({folder.name}/{file.name}): "
+            out.append(f"- [{aside[1]}]({folder.name}/{file.name})" if aside else
+                       f"[Table of {len(rows)} rows]({folder.name}/{file.name}): "
                        + ", ".join(_cells(table[0])) + ".")
         table.clear()
 
@@ -90,6 +95,10 @@ def write(path, text):
             continue
         if table:
             end_table()
+            aside = None
+        if line.startswith("@csv "):
+            aside = line.split(maxsplit=2)[1:]
+            continue
         if line.startswith("#"):
             heading = _slug(line.lstrip("#"))
         out.append(line)

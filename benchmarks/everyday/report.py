@@ -24,18 +24,22 @@ KINDS = {
 }
 ENGINES = runs.NAMES
 INTRODUCTION = """\
-`benchmarks/everyday`: small scenes that users of any engine build, each over many neighbours (shapes, sizes, speeds, phases
-within a step, grounds), at the default settings. A line is the worst of its cases beside what physics allows;
-`--cases` prints each case that is beyond, and `known.cpp` lists the lines that do not hold yet and says why.
-`everyday_test` runs a few cases of each (`--quick`), `.ci/run everyday` all."""
+`benchmarks/everyday` runs small scenes that users of any engine build, over many neighbours (shapes, sizes, speeds,
+phases within a step, grounds), at the default settings. A line is the worst of its cases beside what physics allows.
+`--cases` prints each case beyond its bound; `known.cpp` gives reasons. `everyday_test` runs a few cases (`--quick`),
+`.ci/run everyday` all."""
 # What the scenes are in other engines.
 BESIDE = """\
-The same scenes in other engines (`--engine`), each at its defaults, but without damping; versions as above. A dash: the
-[adapter](../benchmarks/peers/README.md) has no such body (cones, compounds, fields of heights, kinematic ones), or the kind
-is run for Tandem alone. No body is marked as fast (bullet, linear cast). Jolt and Box3D hold spin at 47 rad/s: what
-rolls or spins faster gains no energy, and slows down. In Box3D the half-space is a slab of 400 m and a cylinder a prism
-of 24 sides, and hulls with more than 128 edges keep 44 corners. Jolt rounds what is convex by up to 50 mm and lets it
-sink by 20 mm, which counts as a hop and as depth; its bodies fall asleep by the way they made, not by speed."""
+`--engine` runs them in another engine, at its defaults but without damping. A dash: the
+[adapter](../benchmarks/peers/README.md) lacks such a body (cones, compounds, height fields, kinematic bodies), or only
+Tandem was run. The other engines differ:
+
+- No body is marked as fast (bullet, linear cast).
+- Jolt and Box3D limit spin to 47 rad/s: bodies that roll or spin faster slow down, and gain no energy.
+- Box3D's half-space is a slab of 400 m, its cylinder a prism of 24 sides. Hulls with more than 128 edges keep 44
+  corners.
+- Jolt rounds convex shapes by up to 50 mm and lets them sink by 20 mm, which counts as a hop and as depth. Its bodies
+  fall asleep by the distance they moved, not by speed."""
 
 
 def number(value):
@@ -83,19 +87,31 @@ def peers(results):
     return found
 
 
+def findings(results):
+    """@return lines of Markdown: how many lines hold in each engine, none where nothing was measured"""
+    if not (results / "everyday.json").exists():
+        return []
+    lines = list(read(results / "everyday.json").values())
+    beside = ", ".join(f"{sum(not holds(line) for line in other.values())} of {len(other)} in {ENGINES[engine]}"
+                       for engine, other in peers(results).items())
+    return [f"- **[Everyday scenes](#everyday-scenes)**: {sum(not holds(line) for line in lines)} of {len(lines)} "
+            f"lines do not hold{f'; {beside} do not, where they can be run' if beside else ''}."]
+
+
 def overview(lines, others):
     names = "".join(f" {ENGINES[engine]} |" for engine in others)
-    out = [f"| kind | lines | Tandem |{names} Tandem's worst of each measure (bound; where) |",
-           f"|---|---|---|{'---|' * len(others)}---|"]
+    out = [f"| kind | lines | Tandem |{names}", f"|---|---|---|{'---|' * len(others)}"]
+    worst = []
     for kind in dict.fromkeys(line["kind"] for line in lines):
         own = [line for line in lines if line["kind"] == kind]
         cells = []
         for other in others.values():
             theirs = [line for line in other.values() if line["kind"] == kind]
             cells.append(f"{sum(not holds(line) for line in theirs)} of {len(theirs)}" if theirs else "-")
-        cells = [f"{sum(not holds(line) for line in own)}", *cells, beyond(own)]
+        cells = [f"{sum(not holds(line) for line in own)}", *cells]
         out.append(f"| {kind} {KINDS.get(kind, '')} | {len(own)} | {' | '.join(cells)} |")
-    return out
+        worst += [f"- {kind}: {beyond(own)}."] if beyond(own) else []
+    return [*out, "", "Tandem's worst of each measure (bound; where):", "", *worst]
 
 
 def table(lines, others):
@@ -116,5 +132,5 @@ def section(results):
     lines = list(read(results / "everyday.json").values())
     others = peers(results)
     return [HEADING, "", INTRODUCTION, "", *([BESIDE, ""] if others else []),
-            "Lines that do not hold:", "", *overview(lines, others), "", "All lines:", "",
-            *table(lines, others), ""]
+            "Lines that do not hold:", "", *overview(lines, others), "",
+            "@csv everyday_scenes All lines by kind, ground, measure and engine", *table(lines, others), ""]

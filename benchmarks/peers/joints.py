@@ -30,14 +30,16 @@ WHAT = {
     "joint_grid 100": "100 x 100 balls",
 }
 INTRODUCTION = """\
-`benchmarks/scenes/joint_scenes.cpp`: Box3D's benchmarks and samples of joints by their published sizes (rain, human,
-joint_grid, ball_and_chain; of bridge and doors what is jointed), and what games build besides; Box3D has no scene of dolls
-called wedge. The doll is Box3D's human to the millimetre, but no joint of it is open at the start, none has a spring, and
-nothing rolls with resistance. In Box3D's own rain a row of ten groups is dropped every 0.8 s, here all fall at once. Friction
-is 0.5, gravity 9.81 m/s^2, frames are of 1/60 s, one thread, 10 s (rain 6 s, joint_grid 5 s). Each engine is at its defaults,
-asleep where it lets bodies be, but without damping; joint_grid is kept awake, as in Box3D's own. Limbs rest in Tandem below
-the 0.03 m/s and 0.3 rad/s of its own ragdolls, and everything rests below 0.03 m/s in Jolt and 0.05 m/s in Box3D. Figures of time are of
-frames in which something was awake. The adapters of Bullet and PhysX have no such joints."""
+`benchmarks/scenes/joint_scenes.cpp` has Box3D's benchmarks and samples of joints at their published sizes (rain, human,
+joint_grid, ball_and_chain; the jointed parts of bridge and doors), and more that games build.
+
+- The doll is Box3D's human to the millimetre, but no joint is open at the start or has a spring, and there is no
+  rolling resistance. Box3D's own rain drops a row of ten groups every 0.8 s; here all fall at once. It has no
+  *wedge* of dolls.
+- Friction is 0.5, gravity 9.81 m/s^2, a frame 1/60 s. One thread, 10 s (rain 6 s, joint_grid 5 s).
+- Engines run at their defaults without damping. Bodies may sleep, except in joint_grid, as in Box3D's own: limbs below
+  0.03 m/s and 0.3 rad/s in Tandem, as in its ragdolls, bodies below 0.03 m/s in Jolt and 0.05 m/s in Box3D.
+- Times are of frames in which something was awake. The adapters of Bullet and PhysX lack such joints."""
 
 
 def read(path):
@@ -55,6 +57,11 @@ def median(rows, name):
 
 def short(value):
     return f"{value:.0f}" if 1000 <= abs(value) < 1e6 else f"{value:.3g}"
+
+
+def two(value):
+    """Two digits, without an exponent where that reads well."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def time(rows, ours):
@@ -87,34 +94,73 @@ def rest(rows, _):
     return f"{asleep:.0f}{last}; {short(median(rows, 'lowest_end'))}"
 
 
+# Name, title, what a cell says.
 TABLES = (
-    ("Processor time of a frame, ms: median (Tandem's over it; more than 1: Tandem is slower); 99 %; "
-     "largest:", time),
-    ("First frame over the median; frames above four medians from the third on; most substeps or "
-     "collision steps of a frame:", steadiness),
-    ("Distance of a joint's two anchors, mm: median; 99 %; largest, over all joints and frames:",
+    ("joints_time", "Processor time of a frame, ms: median (Tandem's over it); 99 %; largest:", time),
+    ("joints_steadiness", "First frame over median; frames above four medians, from the third; most substeps:",
+     steadiness),
+    ("joints_gap", "Distance of a joint's anchors, mm: median; 99 %; largest, over joints and frames:",
      separation),
-    ("Mechanical energy, kJ: start to end; largest rise in one frame. Motors work in bridge, crane and "
-     "doors:", energy),
-    ("Bodies asleep at the end (all of them: since which frame); the lowest body then, m:", rest),
+    ("joints_energy", "Energy, kJ: start to end; largest rise in one frame (motors: bridge, crane, doors):", energy),
+    ("joints_rest", "Bodies asleep at the end (all: since which frame); the lowest body then, m:", rest),
 )
 
 
-def tables(found):
+def scenes_of(found):
+    return [scene for scene in WHAT if "tandem" in found.get(scene, {})]
+
+
+def engines_of(found):
+    return [e for e in runs.NAMES if any(e in scene for scene in found.values())]
+
+
+def tables(found, beside=False):
+    """@param beside  as files beside the page"""
     out = []
-    for title, cell in TABLES:
-        engines = [e for e in runs.NAMES if any(e in scene for scene in found.values())]
-        out += [title, "", "| scene | bodies, joints | " + " | ".join(runs.NAMES[e] for e in engines) + " |",
+    for name, title, cell in TABLES:
+        engines = engines_of(found)
+        out += [*([f"@csv {name} {title.rstrip(':')}"] if beside else [title, ""]),
+                "| scene | bodies, joints | " + " | ".join(runs.NAMES[e] for e in engines) + " |",
                 "|---" * (len(engines) + 2) + "|"]
-        for scene in WHAT:
-            if scene not in found or "tandem" not in found[scene]:
-                continue
+        for scene in scenes_of(found):
             ours = found[scene]["tandem"]
             size = f"{median(ours, 'bodies'):.0f}, {median(ours, 'joints'):.0f}"
             cells = [cell(found[scene][e], ours) if e in found[scene] else "-" for e in engines]
             out.append(f"| {scene} | {size} | {' | '.join(cells)} |")
-        out.append("")
-    return out
+        out += [] if beside else [""]
+    return [*out, ""] if beside else out
+
+
+def ratio(found, scene, engine, measure):
+    return median(found[scene]["tandem"], measure) / median(found[scene][engine], measure)
+
+
+def overview(found):
+    """Time and gaps in one table."""
+    others = [e for e in engines_of(found) if e != "tandem"]
+    lines = ["| scene | Tandem, ms | " + " | ".join(f"over {runs.NAMES[e]}" for e in others) + " | gap, mm: Tandem | "
+             + " | ".join(runs.NAMES[e] for e in others) + " |", "|---" * (3 + 2 * len(others)) + "|"]
+    for scene in scenes_of(found):
+        times = [f"{ratio(found, scene, e, 'cpu_ms_p50'):.2g}" for e in others]
+        gaps = [two(1e3 * median(found[scene][e], "separation_p99")) for e in ("tandem", *others)]
+        lines.append(f"| {scene} | {short(median(found[scene]['tandem'], 'cpu_ms_p50'))} | "
+                     f"{' | '.join(times + gaps)} |")
+    return lines
+
+
+def findings():
+    """@return lines of Markdown, of the runs that are kept"""
+    found = read(DATA / "joints.csv")
+    times = []
+    for engine in engines_of(found):
+        ratios = [ratio(found, scene, engine, "cpu_ms_p50") for scene in scenes_of(found)]
+        if engine != "tandem":
+            times.append(f"{min(ratios):.2g} to {max(ratios):.2g} times as long as {runs.NAMES[engine]}")
+    gaps = [[1e3 * median(found[scene][e], "separation_p99") for scene in scenes_of(found)]
+            for e in engines_of(found)]
+    widest = ", ".join(f"{two(max(gap))} mm in {runs.NAMES[e]}" for e, gap in zip(engines_of(found), gaps))
+    return [f"- **[Scenes of joints](#scenes-of-joints)**: Tandem takes {' and '.join(times)}. In the worst scene 99 % "
+            f"of the joints' gaps are below {widest}."]
 
 
 def section(results):
@@ -124,11 +170,14 @@ def section(results):
     found = read(folder / "joints.csv")
     machine = json.loads((DATA / "joints.json").read_text())
     repeats = max(len(rows) for scene in found.values() for rows in scene.values())
-    names = "; ".join(f"{scene}: {what}" for scene, what in WHAT.items() if scene in found)
-    return [HEADING, "", INTRODUCTION, "", f"{names}.", "",
+    names = "; ".join(f"*{scene}*, {what}" for scene, what in WHAT.items() if scene in found)
+    return [HEADING, "", f"{names}.", "", INTRODUCTION, "",
             f"{machine['peers']}; {machine['processor']}, {machine['cores']} cores, {machine['load']}, "
             f"{machine['date']}; the engines taking turns, medians of {repeats} runs. "
-            "[Adapters](../benchmarks/peers/README.md).", "", *tables(found), machine["notes"], ""]
+            "[Adapters](../benchmarks/peers/README.md).", "",
+            "Median time of a frame, Tandem's over the other engine's, and the gap between a joint's two anchors below "
+            "which 99 % of joints and frames are:", "", *overview(found), "", machine["notes"], "",
+            "By scene and engine:", "", *tables(found, beside=True)]
 
 
 if __name__ == "__main__":

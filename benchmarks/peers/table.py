@@ -69,10 +69,10 @@ def outcomes(points):
 
 
 def tables(points):
-    return ["ms for a frame of 1/60 s; in brackets Tandem's time over it, so that more than 1 means "
-            "that Tandem is slower:", "", *times(points), "", "What came out of it:", "",
+    return ["ms for a frame; in brackets Tandem's time over it, so that more than 1 means that Tandem is slower:", "",
+            *times(points), "", "@csv outcomes Overlap, drift, energy and other outcomes, all engines",
             *outcomes(points)]
 
 
 if __name__ == "__main__":
-    print("\n".join(tables(results.read(sys.argv[1]))))
+    print("\n".join(line for line in tables(results.read(sys.argv[1])) if not line.startswith("@csv")))
