@@ -149,7 +149,7 @@ def time_lines(peers):
     return ", ".join(out)
 
 
-def findings(peers, rows, bounds, everyday_lines):
+def findings(peers, rows, bounds, results):
     scenes = list(errors(peers))
     least = sum(ours.error(m) <= min(p.error(m) for p in others) for ours, others, m, *_ in scenes)
     ours = [row for row in rows if row["engine"] == "tandem" and row["pass"] != "n/a"]
@@ -162,7 +162,7 @@ def findings(peers, rows, bounds, everyday_lines):
             f"- **Time**: Tandem's over theirs, in the best scene and in the worst: {time_lines(peers)}.",
             f"- **Bounds**: {held} of {len(ours)} lines of the [numerics set](#the-numerics-set) hold, and {kept} of "
             f"{len(bounds) - 2} of the [bounds](#what-must-hold) on these scenes.",
-            *everyday_lines, *joints.findings(), *(HERE / "data" / "findings.md").read_text().splitlines(), ""]
+            *everyday.findings(results), *joints.findings(results), *(HERE / "data" / "findings.md").read_text().splitlines(), ""]
 
 
 def worse_lines(points, rows, peers, bounds):
@@ -248,11 +248,10 @@ def compared(results):
         peers = runs.read(HERE / "data" / "peers.csv")
         peers_machine = json.loads((HERE / "data" / "peers.json").read_text())
     bounds = must_hold.table(points)
-    lines = everyday.findings(results)
     out = ["# Numerics", "",
            "How exact Tandem is and what it costs beside Bullet, Jolt, Box3D and PhysX. "
            "`benchmarks/measure.sh` measures all of it and writes this page: run that instead of editing here.", "",
-           *findings(peers, rows, bounds, lines),
+           *findings(peers, rows, bounds, results),
            "## Where Tandem is worse", "",
            "Its time, wherever a figure in brackets [below](#seven-scenes) is more than 1. Beyond that:", "",
            *worse_lines(points, rows, peers, bounds), "",

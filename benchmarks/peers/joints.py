@@ -148,9 +148,14 @@ def overview(found):
     return lines
 
 
-def findings():
-    """@return lines of Markdown, of the runs that are kept"""
-    found = read(DATA / "joints.csv")
+def folder_of(results):
+    """The runs of today, else those that are kept."""
+    return results if (results / "joints.csv").exists() else DATA
+
+
+def findings(results):
+    """@return lines of Markdown"""
+    found = read(folder_of(results) / "joints.csv")
     times = []
     for engine in engines_of(found):
         ratios = [ratio(found, scene, engine, "cpu_ms_p50") for scene in scenes_of(found)]
@@ -166,8 +171,7 @@ def findings():
 def section(results):
     """@param results  folder that has joints.csv where the scenes were run with the rest
     @return lines of Markdown"""
-    folder = results if (results / "joints.csv").exists() else DATA
-    found = read(folder / "joints.csv")
+    found = read(folder_of(results) / "joints.csv")
     machine = json.loads((DATA / "joints.json").read_text())
     repeats = max(len(rows) for scene in found.values() for rows in scene.values())
     names = "; ".join(f"*{scene}*, {what}" for scene, what in WHAT.items() if scene in found)
