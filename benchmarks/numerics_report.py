@@ -162,7 +162,8 @@ def findings(peers, rows, bounds, results):
             f"- **Time**: Tandem's over theirs, in the best scene and in the worst: {time_lines(peers)}.",
             f"- **Bounds**: {held} of {len(ours)} lines of the [numerics set](#the-numerics-set) hold, and {kept} of "
             f"{len(bounds) - 2} of the [bounds](#what-must-hold) on these scenes.",
-            *everyday.findings(results), *joints.findings(results), *(HERE / "data" / "findings.md").read_text().splitlines(), ""]
+            *everyday.findings(results), *joints.findings(results),
+            *(HERE / "data" / "findings.md").read_text().splitlines(), ""]
 
 
 def worse_lines(points, rows, peers, bounds):
