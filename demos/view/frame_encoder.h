@@ -12,7 +12,7 @@
 
 namespace tandem::demos::view {
 
-/// Writes frames as pages read them, each once for all pages. docs/view.md has the format.
+/// Writes frames as pages read them, each once for all pages. demos/view/README.md has the format.
 /// @par Thread safety  One object: one thread at a time. What it hands out is not changed again.
 class FrameEncoder {
  public:

@@ -19,7 +19,7 @@
 
 namespace tandem::demos::view {
 
-// What a page and the program say to each other; docs/view.md has the format.
+// What a page and the program say to each other; demos/view/README.md has the format.
 
 inline constexpr int kProtocol = 2;
 

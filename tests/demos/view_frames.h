@@ -14,7 +14,7 @@
 
 namespace tandem::demos::view {
 
-/// A page's reader of frames, written from docs/view.md.
+/// A page's reader of frames, written from demos/view/README.md.
 struct PageBody {
   pbd::Vec3 position = pbd::Vec3::Zero();
   pbd::Quat orientation = pbd::Quat::Identity();

@@ -17,7 +17,7 @@ const peerOf = (bodies, overlays = null, springs = []) => ({
 const frameOf = (peers, rest = {}) => (
   encodeFrame({number: 7, time: 1.5, key: true, unit: UNIT, peers, ...rest}));
 
-/** Known bytes, written by hand from docs/view.md: one body at (1, -2, 3) units, turned. */
+/** Known bytes, written by hand from demos/view/README.md: one body at (1, -2, 3) units, turned. */
 function knownFrame() {
   const bytes = new DataView(new ArrayBuffer(47));
   bytes.setUint8(0, 1);
@@ -36,7 +36,7 @@ function knownFrame() {
   return bytes.buffer;
 }
 
-test('a frame written by hand is read as docs/view.md says', () => {
+test('a frame written by hand is read as demos/view/README.md says', () => {
   const frame = new FrameDecoder(hello(1)).decode(knownFrame());
   assert.equal(frame.number, 0x01020304);
   assert.equal(frame.time, 12.25);

@@ -81,7 +81,7 @@ export class Connection {
     this.open();
   }
 
-  /** @param {object} message  as docs/view.md has it; lost where there is no connection */
+  /** @param {object} message  as demos/view/README.md has it; lost where there is no connection */
   send(message) {
     if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }

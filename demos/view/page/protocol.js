@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The bytes of docs/view.md as values. Pure: knows no page and no socket. Lengths m, times s,
+// The bytes of demos/view/README.md as values. Pure: knows no page and no socket. Lengths m, times s,
 // quaternions x y z w, world frame with z up.
 
 export const PROTOCOL = 2;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Frames of docs/view.md from values: the other side of demos/view/page/protocol.js, for the mock
+// Frames of demos/view/README.md from values: the other side of demos/view/page/protocol.js, for the mock
 // server and for tests.
 
 const SQRT2 = Math.SQRT2;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The server of docs/view.md in Node, for work on the page and its tests without the programs:
+// The server of demos/view/README.md in Node, for work on the page and its tests without the programs:
 //   node tests/view/mock/server.mjs [PORT] [balls=1000]
 import {randomBytes} from 'node:crypto';
 import {createServer} from 'node:http';
