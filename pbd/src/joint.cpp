@@ -269,12 +269,12 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     if (!record.active()) continue;
     const bool left = is_pushed(record, ctx.bodies);
     for_bits(record.used, [&](int i) {
-      const JointAxis axis = record.axis(i);
+      const JointAxis& axis = record.axis(i);
       state.residual = std::max(state.residual, violation(axis, c[i]));
       double& residual = record.displacement_residual[i];
       if ((record.in_part >> i & 1u) != 0) {
         residual = residual_of(axis, c[i]);
-        if (std::abs(residual) > JointGap::kTolerance) record.gap.open(std::abs(residual));
+        if (std::abs(residual) > ctx.joint_tolerance) record.gap.open(std::abs(residual));
         return;
       }
       if (!left) return;
@@ -286,7 +286,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     for (double& residual : record.displacement_residual) {
       if (!std::isfinite(residual)) residual = 0.0;
     }
-    record.settle_gap();
+    record.settle_gap(ctx.joint_tolerance);
   }
 }
 

@@ -219,7 +219,7 @@ void JointCoupling::end_step(const SubstepContext& ctx) {
   for (double* value : {&displacement_residual_, &residual_, &near_[0], &near_[1]}) {
     if (!std::isfinite(*value)) *value = 0.0;
   }
-  gap_.settle(std::abs(displacement_residual_));
+  gap_.settle(std::abs(displacement_residual_), ctx.joint_tolerance);
 }
 
 void JointCoupling::save(ByteWriter& out) const {
@@ -227,7 +227,7 @@ void JointCoupling::save(ByteWriter& out) const {
   side_fields(io, def_.one);
   side_fields(io, def_.two);
   io(def_.ratio, def_.offset, def_.enabled, near_[0], near_[1], displacement_residual_, residual_,
-     gap_.least, gap_.stalled);
+     gap_.least, gap_.stalled, gap_.closed);
 }
 
 void JointCoupling::load(ByteReader& in) {
@@ -235,7 +235,7 @@ void JointCoupling::load(ByteReader& in) {
   side_fields(io, def_.one);
   side_fields(io, def_.two);
   io(def_.ratio, def_.offset, def_.enabled, near_[0], near_[1], displacement_residual_, residual_,
-     gap_.least, gap_.stalled);
+     gap_.least, gap_.stalled, gap_.closed);
   bool finite = gap_.least >= 0.0;
   for (const double value : {near_[0], near_[1], displacement_residual_, residual_, gap_.least}) {
     finite = finite && std::isfinite(value);

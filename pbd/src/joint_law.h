@@ -182,11 +182,13 @@ inline void add_servo(ForceLaw& law, const JointAxis& axis, double c_start, doub
   law.motor_target = std::clamp(c_start, law.lower, law.upper);
 }
 
-/// The law of an axis in the real channel.
+/// Sets the law of an axis in the real channel, in place: copied, a law of single numbers is read
+/// in pairs, which the processor cannot forward (a tenth of the time of doors).
 /// @param c_start   coordinate at the start of the substep
 /// @param residual  left by agreement
-inline ForceLaw force_law(const JointAxis& axis, double c_start, double residual, double h) {
-  ForceLaw law;
+inline void set_force_law(ForceLaw& law, const JointAxis& axis, double c_start, double residual,
+                          double h) {
+  law = {};
   const double h2 = h * h;
   const bool rigid = axis.compliance == 0.0;
   const double k = rigid ? 0.0 : h2 / axis.compliance + h * axis.damping;
@@ -198,7 +200,7 @@ inline ForceLaw force_law(const JointAxis& axis, double c_start, double residual
     law.locked = true;
     law.target = (rigid ? 0.0 : soft(0.0)) + residual;
     law.at = rigid ? 0.0 : 1.0 / k;
-    return law;
+    return;
   }
   if (axis.freedom == Freedom::Limited) {
     law.limited = true;
@@ -227,6 +229,11 @@ inline ForceLaw force_law(const JointAxis& axis, double c_start, double residual
     law.motor_target = std::clamp(c_start + move, law.lower, law.upper);
   }
   law.powered = is_powered(axis);
+}
+
+inline ForceLaw force_law(const JointAxis& axis, double c_start, double residual, double h) {
+  ForceLaw law;
+  set_force_law(law, axis, c_start, residual, h);
   return law;
 }
 

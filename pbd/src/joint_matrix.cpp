@@ -20,7 +20,10 @@ void put_hub(const JointSlot& slot, double* diagonal) {
   }
 }
 
-/// Sets a joint's diagonal block.
+/// Whether both coordinates are displacements; angles have no direction.
+bool shifts(int i, int j) { return i < 3 && j < 3; }
+
+/// Sets the lower triangle of a joint's diagonal block.
 void put_diagonal(JointData& all, std::uint32_t k) {
   const JointGraph::Node& plan = all.graph.nodes()[k];
   const JointNode& node = all.nodes[k];
@@ -36,12 +39,11 @@ void put_diagonal(JointData& all, std::uint32_t k) {
     const int i = rows.coordinate[r];
     for (int s = 0; s <= r; ++s) {
       const int j = rows.coordinate[s];
-      double sum = inv_mass * rows.dir.col(i).dot(rows.dir.col(j));
+      double sum = shifts(i, j) ? inv_mass * rows.dir.col(i).dot(rows.dir.col(j)) : 0.0;
       if (with_a) sum += rows.arm_a.col(i).dot(rows.b_a.col(j));
       if (with_b) sum += rows.arm_b.col(i).dot(rows.b_b.col(j));
       if (r == s) sum += node.at[r];
       diagonal[r * node.n + s] = sum;
-      diagonal[s * node.n + r] = sum;
     }
   }
 }
@@ -82,8 +84,9 @@ void couple_joints(JointData& all, const JointGraph::Link& link) {
     const int i = rows_x.coordinate[r];
     for (int s = 0; s < n; ++s) {
       const int j = rows_y.coordinate[s];
-      out[r * n + s] += sign * (slot.inv_mass * rows_x.dir.col(i).dot(rows_y.dir.col(j)) +
-                                arm.col(i).dot(b.col(j)));
+      double sum = arm.col(i).dot(b.col(j));
+      if (shifts(i, j)) sum += slot.inv_mass * rows_x.dir.col(i).dot(rows_y.dir.col(j));
+      out[r * n + s] += sign * sum;
     }
   }
 }

@@ -10,7 +10,7 @@ constexpr double kFull = 1.0 - 1e-6;  // share of its force: from here on the lo
 
 /// Whether the motor of a coordinate moves the joint.
 bool motor_runs(const JointRecord& record, int c) {
-  const JointAxis axis = record.axis(c);
+  const JointAxis& axis = record.axis(c);
   const JointMotor& motor = axis.motor;
   const bool limited = axis.freedom == Freedom::Limited;
   const double lower = limited ? axis.lower : -kUnlimited;

@@ -32,8 +32,6 @@ constexpr double kTrust = 0.5;
 /// inertia. Otherwise bodies that hang on an anchor placed 10 m to the side are dragged along, and
 /// swing at 11 rad/s at the end.
 constexpr double kClosingTurn = 1e-3;
-/// rad: smaller turns are ignored.
-constexpr double kNoTurn = 1e-13;
 
 /// Remaining distance of moves that shrink geometrically, as with a constant matrix.
 double rest_of(double move, double before) {
@@ -107,11 +105,11 @@ void begin_iteration(const JointPart& part) {
 /// the start of the substep, followed by free rotation with the new angular momentum. Turning it
 /// afterwards is right only to first order in w h, and costs a fast top its spin.
 void turn(SolverBody& body, JointSlot& slot, double h) {
-  if (slot.alone && !slot.carried &&
-      h * h * slot.w.cross(slot.dtheta).squaredNorm() > kNoTurn * kNoTurn) {
+  const bool curves = slot.w.cross(slot.dtheta).squaredNorm() > kSlowTurn * kSlowTurn;
+  if (slot.alone && !slot.carried && curves) {
     slot.carried = body.inv_inertia_w.determinant() > 0.0;  // no axis is locked
   }
-  if (!slot.carried) {
+  if (!slot.carried || !curves) {
     body.q = rotated_about(body.q, slot.dtheta);
     return;
   }

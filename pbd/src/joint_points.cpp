@@ -57,7 +57,7 @@ void begin(const JointPart& part) {
       if (part.progress.channel == JointChannel::Real) {
         double& residual = record.displacement_residual[i];
         residual = residual_at_start(axis, place.d[i], residual, left, displaced, ctx.h, kLeft);
-        law = force_law(axis, place.d[i], residual, ctx.h);
+        set_force_law(law, axis, place.d[i], residual, ctx.h);
       } else {
         law = displacement_law(axis, record.bound[i], ctx.h);
       }

@@ -31,7 +31,7 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
      motor.mode, motor.velocity, motor.target, motor.max_torque, motor.max_speed,
      def.drive.friction, record.drive.start);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
-     record.energy_excess, record.h, record.spring_mass);
+     record.gap.closed, record.energy_excess, record.h, record.spring_mass);
   io(state.position, state.swing, record.forces, state.force, state.torque, state.residual,
      state.broken);
 }
@@ -55,18 +55,29 @@ JointAxis resolved(JointAxis axis, double mass) {
 
 }  // namespace
 
-JointAxis JointRecord::axis(int c) const {
-  if (c < 3) return resolved(def.linear[static_cast<std::size_t>(c)], spring_mass[c]);
-  if (c < kCone) return resolved(def.angular[static_cast<std::size_t>(c - 3)], spring_mass[c]);
-  if (c >= kDrive)
-    return resolved(drive.axes[static_cast<std::size_t>(c - kDrive)], spring_mass[c]);
+void JointRecord::resolve() {
   JointAxis cone;
   if (def.cone < kUnlimited) cone.freedom = Freedom::Limited;
   cone.lower = -kUnlimited;
   cone.upper = def.cone;
   cone.compliance = def.cone_compliance;
   cone.damping = def.cone_damping;
-  return cone;
+  const BallDrive& d = def.drive;
+  JointAxis driven{.spring = {.stiffness = d.spring.stiffness,
+                              .damping = d.spring.damping,
+                              .frequency = d.spring.frequency,
+                              .damping_ratio = d.spring.damping_ratio},
+                   .motor = {.mode = d.motor.mode, .max_force = d.motor.max_torque},
+                   .friction = d.friction};
+  for (int c = 0; c < kCoordinates; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    if (c >= kDrive) driven.motor.target = d.motor.velocity[c - kDrive];
+    const JointAxis& axis = c < 3        ? def.linear[i]
+                            : c < kCone  ? def.angular[i - 3]
+                            : c < kDrive ? cone
+                                         : driven;
+    axes[i] = c == kCone ? cone : resolved(axis, spring_mass[i]);
+  }
 }
 
 void JointRecord::begin_drive(const SolverBody& a, const SolverBody& b, double substep) {
@@ -81,8 +92,9 @@ void JointRecord::begin_drive(const SolverBody& a, const SolverBody& b, double s
                       : length > reach                  ? Vec3(reach / length * drive.left)
                                                         : drive.left;
   for (int i = 0; i < 3; ++i) {
-    drive.axes[static_cast<std::size_t>(i)].spring.rest = rest[i];
-    drive.axes[static_cast<std::size_t>(i)].motor.target = target[i];
+    JointAxis& axis = axes[static_cast<std::size_t>(kDrive + i)];
+    axis.spring.rest = rest[i];
+    if (motor.mode != MotorMode::Off) axis.motor.target = target[i];
   }
 }
 
@@ -94,19 +106,11 @@ void JointRecord::refresh() {
   for (int axis = 1; axis < 3; ++axis) {
     if (!locks(axis) && locks(axis + 1) && locks(axis + 2)) turning = axis;
   }
-  const BallDrive& d = def.drive;
-  drive.axes.fill({.spring = {.stiffness = d.spring.stiffness,
-                              .damping = d.spring.damping,
-                              .frequency = d.spring.frequency,
-                              .damping_ratio = d.spring.damping_ratio},
-                   .motor = {.mode = d.motor.mode, .max_force = d.motor.max_torque},
-                   .friction = d.friction});
-  for (int i = 0; i < 3; ++i)
-    drive.axes[static_cast<std::size_t>(i)].motor.target = d.motor.velocity[i];
+  resolve();
   used = 0;
   passive = true;
   for (int c = 0; c < kCoordinates; ++c) {
-    const JointAxis a = axis(c);
+    const JointAxis& a = axis(c);
     if (a.compliance > 0.0 || is_powered(a)) passive = false;
     if (a.freedom != Freedom::Free || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0 ||
         a.spring.damping > 0.0 || a.spring.frequency > 0.0) {
@@ -213,10 +217,10 @@ void JointRecord::aim(const SolverBody& a, const SolverBody& b, double substep) 
   }
 }
 
-void JointRecord::settle_gap() {
+void JointRecord::settle_gap(double tolerance) {
   double size = 0.0;
   for (const double residual : displacement_residual) size = std::max(size, std::abs(residual));
-  gap.settle(size);
+  gap.settle(size, tolerance);
 }
 
 void JointRecord::save(ByteWriter& out) const {
@@ -228,7 +232,7 @@ void JointRecord::load(ByteReader& in) {
   FieldReader io(in);
   record_fields(io, *this, def, state);
   for (int c = 0; c < kCone; ++c) {
-    const JointAxis read = axis(c);
+    const JointAxis& read = axis(c);
     if (read.freedom > Freedom::Limited || read.motor.mode > MotorMode::Position) in.fail();
   }
   if (def.drive.motor.mode > MotorMode::Position) in.fail();

@@ -17,7 +17,6 @@ namespace tandem::pbd {
 struct JointDrive {
   Quat start = Quat::Identity();  ///< frame b to frame a at the start of the substep
   Vec3 left = Vec3::Zero();       ///< rad, from there to the target of its motor
-  std::array<JointAxis, 3> axes{};
 };
 
 struct JointRecord {
@@ -40,6 +39,9 @@ struct JointRecord {
   bool broke = false;         ///< in this step
   Vec3 spin = Vec3::Zero();   ///< rad/s, of b relative to a at the start of the step
   JointDrive drive;
+  /// Effective settings of each coordinate: friction as a motor at speed 0, and springs of a
+  /// frequency with their stiffness and damping.
+  std::array<JointAxis, kCoordinates> axes{};
   std::uint32_t used = 0;     ///< bits of coordinates that may get a row
   std::uint32_t in_part = 0;  ///< bits of coordinates that the last substep has solved only in part
   int turning = 0;            ///< the only free angular axis; 0 (x) if there is none
@@ -70,10 +72,10 @@ struct JointRecord {
   /// residual to the rest.
   void aim(const SolverBody& a, const SolverBody& b, double substep);
   /// Updates the gap after the step.
-  void settle_gap();
-  /// Effective settings of coordinate c: friction as a motor at speed 0, and springs of a frequency
-  /// with their stiffness and damping.
-  JointAxis axis(int c) const;
+  void settle_gap(double tolerance);
+  const JointAxis& axis(int c) const { return axes[static_cast<std::size_t>(c)]; }
+  /// Sets `axes` from the definition and the masses of the springs.
+  void resolve();
   /// At the start of the substep: sets the reference of the drive's turns and the way to its ends.
   void begin_drive(const SolverBody& a, const SolverBody& b, double substep);
   int rows() const { return std::popcount(used); }

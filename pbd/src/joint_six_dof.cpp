@@ -91,7 +91,7 @@ void begin(const JointPart& part) {
     node.add_pull(plan, ctx.h * ctx.h * record.state.force);
     std::copy_n(c, kCoordinates, rows.start.begin());
     for_bits(record.used, [&](int i) {
-      const JointAxis axis = record.axis(i);
+      const JointAxis& axis = record.axis(i);
       if (part.progress.channel == JointChannel::Displacement) {
         rows.law[i] = displacement_law(axis, record.bound[i], ctx.h);
         return;
@@ -100,7 +100,7 @@ void begin(const JointPart& part) {
       residual = (record.in_part >> i & 1u) != 0
                      ? residual_of(axis, c[i])
                      : residual_at_start(axis, c[i], residual, left, displaced, ctx.h, kLeft);
-      rows.law[i] = force_law(axis, c[i], residual, ctx.h);
+      set_force_law(rows.law[i], axis, c[i], residual, ctx.h);
       if (axis.spring.frequency > 0.0) {
         tune_spring(rows.law[i], axis.spring, record.spring_mass[i], c[i], rate_of(rows, i, a, b),
                     ctx.h);

@@ -38,7 +38,7 @@ void weigh_springs(JointRecord& record, const World& world) {
   std::uint32_t sprung = 0;
   std::uint32_t held = 0;
   for_bits(record.used, [&](int i) {
-    const JointAxis axis = record.axis(i);
+    const JointAxis& axis = record.axis(i);
     if (axis.spring.frequency > 0.0) sprung |= 1u << i;
     if (axis.freedom == Freedom::Locked && axis.compliance == 0.0) held |= 1u << i;
   });
@@ -60,6 +60,7 @@ void weigh_springs(JointRecord& record, const World& world) {
     block::invert(values, n);
     record.spring_mass[i] = values[n * n - 1];
   });
+  record.resolve();
 }
 
 void tune_spring(ForceLaw& law, const JointSpring& spring, double mass, double c, double rate,
