@@ -23,15 +23,15 @@
 
 namespace tandem::consensus {
 
-/// The stages of one peer, in the order of docs/ARCHITECTURE.md; what they do is in their files,
-/// and in which order, below.
+/// The stages of one peer, in the order of docs/ARCHITECTURE.md. Each is in its own file; the
+/// functions below call them in order.
 class __attribute__((visibility("hidden"))) Peer::Impl {
  public:
   Impl(pbd::World& world, Transport& transport, const PeerOptions& options);
 
   PeerData data;
   Connections connections;
-  std::unique_ptr<Replay> replay;  ///< null: a predictor carries all states to now
+  std::unique_ptr<Replay> replay;  ///< null: a predictor extrapolates all states to now
   Trust trust;
   Latecomers latecomers;
   Activity activity;
@@ -44,18 +44,18 @@ class __attribute__((visibility("hidden"))) Peer::Impl {
   HardInputs hard;
   Agreement agreement;
   Sender sender;
-  const bool settles;           ///< copies at rest that differ elect one
+  const bool settles;           ///< whether disagreeing copies at rest elect one
   SessionTime last_before = 0;  ///< ns, of the last before_step()
 };
 
 namespace {
 
-/// s: nobody steps so slowly.
+/// s: no application steps so slowly.
 constexpr double kLongestStep = 0.5;
 
 std::unique_ptr<Replay> replay_of(const PeerData& data) {
   const PeerOptions& options = data.options;
-  // Others' forces pull, and an owner's state is not averaged.
+  // The other couplings use forces, or an owner's state, and average nothing.
   const bool averaged =
       options.coupling == Coupling::OnePass || options.coupling == Coupling::TwoStep;
   const bool replays =
@@ -64,24 +64,24 @@ std::unique_ptr<Replay> replay_of(const PeerData& data) {
   return std::make_unique<Replay>(data.world, data.history, data.springs, options.replay);
 }
 
-/// Take over the time of a step, and forget what is of other times.
+/// Set the time of a step, and drop what belongs to other times.
 void begin_step(PeerData& data, Sender& sender, SessionTime last, SessionTime now) {
   data.now = now;
   data.step_dt = last > 0 ? seconds(now - last) : 1.0 / 60.0;
-  if (data.step_dt < 0.0) {  // a clock that was set back: nothing moves, and nobody falls silent
+  if (data.step_dt < 0.0) {  // clock set back: nothing moves, and no peer counts as silent
     data.step_dt = 0.0;
     sender.restart();
-    // Else its word would count for nothing for as long as its clock was ahead.
+    // Else this peer's states would be ignored for as long as its clock was ahead.
     data.started = std::min(data.started, now);
   }
-  // The clock was set, or nothing was stepped for long.
+  // The clock was set, or nothing was stepped for a long time.
   if (now < last || data.step_dt > kLongestStep) data.history.clear();
-  // An instance that nothing has moved yet is known from now on.
+  // Bodies added since are recorded from now on.
   if (data.history.empty()) data.history.add(now, data.world);
   data.history.notice(data.world);
 }
 
-/// What a coupling other than the pass does with the targets, before a plain step.
+/// For couplings outside of the pass: apply the targets before a plain step.
 void average_before_step(PeerData& data, const Agreement& agreement) {
   const PeerOptions& options = data.options;
   const bool thresholds = options.coupling == Coupling::TwoStep && options.two_step_thresholds;
@@ -119,7 +119,7 @@ void PeerOptions::validate() const {
   require_in(1e-3, 1e4, "PeerOptions", "update_hz", update_hz);
   require(authority_ramp >= 0.0 && std::isfinite(authority_ramp), "PeerOptions", "authority_ramp",
           authority_ramp, "finite and >= 0 s");
-  // Times in nanoseconds are 64 bit: a day is as good as never, and fits.
+  // Times are 64-bit nanoseconds: a day is as good as infinity, and fits.
   constexpr double kLongest = 86400.0;
   require_in(0.0, kLongest, "PeerOptions", "max_future", max_future, "s");
   require(spring_timeout > 0.0 && spring_timeout <= kLongest, "PeerOptions", "spring_timeout",
@@ -154,7 +154,7 @@ Peer::Peer(pbd::World& world, Transport& transport, const PeerOptions& options) 
 }
 
 Peer::~Peer() {
-  // The world must not ask a peer that is gone for targets.
+  // The world must not call a destroyed target source.
   pbd::World& world = impl_->data.world;
   if (world.target_source() == this) world.set_target_source(nullptr);
 }
@@ -196,7 +196,7 @@ void Peer::collect(const pbd::World& /*world*/, double /*dt*/, const pbd::Solver
   PeerData& data = impl_->data;
   if (impl_->replay != nullptr) {
     impl_->replay->set_solver(options);
-    // Nothing is remembered where the world is stepped before its peer was told of it.
+    // Nothing is recorded if the world is stepped before before_step().
     if (!data.history.empty()) {
       data.history.note_inputs(data.world);
       data.springs.record(data.history.pulls());
@@ -214,7 +214,7 @@ void Peer::leave(SessionTime now) {
 void Peer::share(const ShareDef& def) {
   impl_->data.bodies.add(def, impl_->sender.most_bodies());
   impl_->data.inbox.add_id(def.id);
-  impl_->agreement.clear();  // its targets point to where bodies were
+  impl_->agreement.clear();  // its targets point into the old bodies
 }
 
 void Peer::set_owner(const SharedId& id, std::optional<PeerId> owner) {

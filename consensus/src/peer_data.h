@@ -16,7 +16,7 @@
 
 namespace tandem::consensus {
 
-/// What the stages of one peer work on. It knows no stage; each stage has it by reference.
+/// Data shared by the stages of one peer. It does not know the stages; each has a reference to it.
 struct PeerData {
   PeerData(pbd::World& world_in, Transport& transport_in, const PeerOptions& options_in)
       : options(options_in),
@@ -31,31 +31,31 @@ struct PeerData {
         bodies(world_in) {}
 
   PeerId self() const { return transport.self(); }
-  /// What is noted about another peer. Valid until one comes or goes.
+  /// Report of another peer. Valid until one is added or removed.
   PeerReport& report_of(PeerId peer) {
     auto it = ranges::lower_bound(reports, peer, &PeerReport::peer);
     if (it == reports.end() || it->peer != peer) it = reports.insert(it, PeerReport{.peer = peer});
     return *it;
   }
-  /// Whether a body passes from owner to owner.
+  /// Whether the body's ownership can pass between peers.
   bool changes_hands(const SharedBody& shared) const {
     return options.coupling == Coupling::SingleOwner && !shared.def.owner.has_value();
   }
-  /// What this peer's own estimates weigh, against 1 for those of an established one: grows from 0
-  /// after the first step, so that a newcomer takes over what the others know and is heard later.
+  /// Weight of this peer's own estimates, relative to 1 for an established peer: grows from 0 after
+  /// the first step, so that a newcomer takes over the session's state before it counts.
   double confidence() const {
     if (options.authority_ramp <= 0.0) return 1.0;
     const double since = started == 0 ? 0.0 : seconds(now - started);
     return std::clamp(since / options.authority_ramp, 0.0, 1.0);
   }
-  /// The share that others should give this peer's states of a body.
+  /// The share that this peer announces for its states of a body.
   double announced(const SharedBody& shared) const {
     if (changes_hands(shared)) return shared.tenure.owner == self() ? 1.0 : 0.0;
     if (shared.def.owner.has_value()) return shared.def.owner == self() ? 1.0 : 0.0;
     return confidence() * announced_share(options.influence, springs.holds_alone(shared.def.body),
                                           shared.initiative.strength() >= 1.0);
   }
-  /// Whether targets go into the solver's pass; those of owners do where nothing is agreed upon.
+  /// Whether targets go into the solver's pass. With Coupling::None those of owners do.
   bool in_pass() const {
     return options.coupling == Coupling::OnePass || options.coupling == Coupling::None;
   }

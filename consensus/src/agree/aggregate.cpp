@@ -16,12 +16,12 @@ namespace {
 using pbd::Quat;
 using pbd::Vec3;
 
-/// A quaternion or a sum of such, (w, x, y, z). Plain arrays: the order of additions, and so the
-/// bits, do not depend on how a library vectorises.
+/// A quaternion or a sum of quaternions, (w, x, y, z). Plain arrays fix the order of additions, so
+/// that the bits do not depend on a library's vectorisation.
 using Vec4 = std::array<double, 4>;
 using Mat4 = std::array<Vec4, 4>;
 
-/// Two eigenvalues closer than this, relative to the larger, leave the average open.
+/// If two eigenvalues are closer than this, relative to the larger, the average is undetermined.
 constexpr double kOpen = 1e-9;
 
 double dot(const Vec4& a, const Vec4& b) {
@@ -41,8 +41,8 @@ Vec3 log_rotation(const Vec4& r) {
   return v * (2.0 * pbd::portable::atan2(sine, sign * r[0]) / sine);
 }
 
-/// q as seen from `local`: r local = q, on the half sphere around no rotation. In this frame the
-/// local orientation is (1, 0, 0, 0), and small weights leave small vector parts with all digits.
+/// q relative to `local`: r local = q, with r.w >= 0. In this frame the local orientation is (1, 0,
+/// 0, 0), and small weights keep all digits of small vector parts.
 Vec4 relative_to(const Quat& local, const Quat& q) {
   const Quat r = q * local.conjugate();
   const double sign = r.w() < 0.0 ? -1.0 : 1.0;
@@ -59,13 +59,13 @@ void add_outer(Mat4& m, const Vec4& r, double weight) {
   }
 }
 
-/// Dominant eigenvector of a symmetric positive semidefinite matrix, on the half sphere around no
-/// rotation. Squared again and again the matrix becomes the projection on that vector: four times
-/// where states agree within 20 degrees.
+/// Dominant eigenvector of a symmetric positive semidefinite matrix, with w >= 0. Repeated squaring
+/// turns the matrix into the projection on that vector: four squarings if the states agree within
+/// 20 degrees.
 /// @param[out] open  whether the two largest eigenvalues are the same, to 1e-9
 Vec4 dominant(Mat4 m, bool& open) {
   constexpr int kSquarings = 35;
-  constexpr double kLeft = 1e-14;  // of the other eigenvalues; its square is below rounding
+  constexpr double kLeft = 1e-14;  // bound on the other eigenvalues; its square is below rounding
   open = true;
   for (int squared = 0; squared < kSquarings && open; ++squared) {
     const double scale = 1.0 / (m[0][0] + m[1][1] + m[2][2] + m[3][3]);
@@ -99,13 +99,14 @@ Vec3 mean_with_single(const Vec4& r, double w) {
   return v * (pbd::portable::atan2(sine, cosine) / half_sine);
 }
 
-/// What a rotation average comes to.
+/// Result of a rotation average.
 struct MeanRotation {
   Vec3 correction = Vec3::Zero();  ///< rad, from the local orientation to q* of Eq. 2
   Quat remote = Quat::Identity();  ///< mean of the remote states alone
 };
 
-/// Who counts and how much: fills PeerEstimate::weight. Owners count 1 each, and nobody else does.
+/// Sums over the weights: sets PeerEstimate::weight. If there are owners, each counts 1 and no
+/// other state counts.
 struct Tally {
   double total = 0.0;
   int used = 0;
@@ -128,9 +129,9 @@ Tally weigh(std::span<PeerEstimate> estimates) {
   return tally;
 }
 
-constexpr double kMeanCosine = 0.8660254037844386;  // of half of 60 degrees
+constexpr double kMeanCosine = 0.8660254037844386;  // cosine of half of 60 degrees
 
-/// Whether no two of the states that count are further apart than that.
+/// Whether all states that count are within 60 degrees of each other.
 bool have_mean(std::span<const PeerEstimate> estimates) {
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     if (!(estimates[i].weight > 0.0)) continue;
@@ -143,7 +144,7 @@ bool have_mean(std::span<const PeerEstimate> estimates) {
   return true;
 }
 
-/// The average over two or more remote states close enough to be averaged.
+/// The average of two or more remote states close enough to have one.
 MeanRotation mean_of_many(const Quat& local, std::span<const PeerEstimate> estimates, bool owned) {
   Mat4 m{};
   for (const PeerEstimate& e : estimates) {

@@ -66,7 +66,7 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) 
   const pbd::BodyState& own = data_.world.states()[slot];
   if (found_.votes) {
     trust_.weigh_votes(own, 1.0 - shared.initiative.strength(), found_.states);
-    // Nothing is replayed for whom the votes left nothing.
+    // A state that the votes left without weight is not replayed.
     found_.keep([](const PeerEstimate& estimate) { return estimate.share > 0.0; });
   }
   Wanted wanted{.shared = &shared, .placed = shared.placed, .asked = asked};
@@ -83,7 +83,7 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) 
     wanted_.push_back(wanted);
     return;
   }
-  // How far what is said of its stamp may have moved since.
+  // Upper bound on the motion between the stamps and now.
   double way = 0.0;
   bool apart = false;
   SessionTime oldest = data_.now;
@@ -96,16 +96,16 @@ void Agreement::want(SharedBody& shared, const pbd::Vec3& asked, bool replayed) 
   const double least = found_.leaders.empty() ? 0.0 : following_share(seconds(data_.now - oldest));
   if (target.share < 1.0) target.share = std::max(data_.options.replay.share, least);
   if (way <= data_.options.replay.tolerance) {
-    // What somebody has put there since is not where it rested.
+    // If the body was placed since, its earlier pose does not matter.
     if (!apart || data_.history.placed_since(slot, oldest)) return;
     stay(data_.history.state_at(slot, oldest), target);
   } else {
     const SessionTime known = data_.history.frame(data_.history.first()).time;
     for (std::size_t i = 0; i < found_.stamped.size(); ++i) {
       const Stamped& there = found_.stamped[i];
-      if (there.stamp < known) continue;  // nobody knows any more
+      if (there.stamp < known) continue;  // before the recorded history
       const PeerEstimate& estimate = found_.states[i];
-      // An owner's is all there is to go by.
+      // An owner's state is the only one to use: the replay goes back to it.
       replay_->add({.slot = slot,
                     .peer = estimate.peer,
                     .stamp = there.stamp,
@@ -151,8 +151,8 @@ void Agreement::aim(Wanted& wanted) {
   SharedBody& shared = *wanted.shared;
   pbd::PoseTarget& target = wanted.target;
   const pbd::BodyState& own = data_.world.states()[shared.def.body.index];
-  // Another body has taken it along to where the leader has both: what it missed before is over.
-  // What is replayed is measured only now.
+  // Another body's placement has moved this one along to the leader's: the earlier comparison is
+  // void. A replayed mean is compared only below.
   if (!wanted.replayed && wanted.placed != shared.placed) return;
   if (wanted.replayed) {
     const pbd::Correction* const missing = replay_->find(shared.def.body.index);
@@ -164,7 +164,8 @@ void Agreement::aim(Wanted& wanted) {
     if (!shared.def.orientation) target.pose.orientation = own.pose.orientation;
   }
   if (data_.world.props(target.body).type == pbd::BodyType::Kinematic) {
-    // Nothing pulls at it: it goes where its owner's hand goes, and pushes what is on its way.
+    // The solver does not pull at kinematic bodies: this one follows its owner's hand and pushes
+    // what is in its way.
     if (target.share < 1.0) return;
     const pbd::BodyState there = carried(mean_with(own, target), data_.step_dt);
     return data_.world.set_kinematic_target(target.body, there.pose);

@@ -15,8 +15,8 @@
 
 namespace tandem::consensus {
 
-/// What the others say of each body becomes a target of the step to come: estimates, their mean,
-/// the mean replayed to now, the share of the gap that is closed.
+/// Turns the peers' states of each body into a target of the step to come: estimates, their mean,
+/// the mean replayed to now, and the share of the gap to close.
 class Agreement {
  public:
   /// @param replay  null: the predictor carries all states to now
@@ -29,24 +29,24 @@ class Agreement {
         estimator_(estimator),
         hard_(hard) {}
 
-  /// Before a step.
+  /// Call before a step.
   void aggregate();
-  /// Of the step to come, and whose they are; until the next aggregate() or clear().
+  /// Targets of the step to come, and their bodies; until the next aggregate() or clear().
   std::span<const pbd::PoseTarget> targets() const { return targets_; }
   std::span<SharedBody* const> targeted() const { return targeted_; }
   void clear() { targets_.clear(), targeted_.clear(); }
 
  private:
-  /// Take over the fused estimates as what agreement wants.
-  /// @param replayed  they are brought to the present by the replay
+  /// Use the fused estimates as what agreement wants.
+  /// @param replayed  the replay brings them to the present
   void want(SharedBody& shared, const pbd::Vec3& asked, bool replayed);
-  /// What stands is still where its mean with the own state `then`, of the oldest stamp, was. In
-  /// the demos the same bits where it is replayed instead, but what two owned in turn then stays 20
-  /// um apart (tests/consensus/peer_owner_test.cpp).
+  /// A body at rest has its mean where it was with the own state `then`, of the oldest stamp. In
+  /// the demos replaying instead gives the same bits, but the copies of a body that two peers owned
+  /// in turn then stay 20 um apart (tests/consensus/peer_owner_test.cpp).
   void stay(const pbd::BodyState& then, pbd::PoseTarget& target);
-  /// Lessen the share of a correction that begins.
+  /// Reduce the share of a correction that begins.
   void ease_in(const pbd::BodyState& own, Wanted& wanted) const;
-  /// Make a target of what is wanted.
+  /// Make a target of `wanted`.
   void aim(Wanted& wanted);
   bool replays() const { return replay_ != nullptr && replay_->possible(); }
 
@@ -56,11 +56,11 @@ class Agreement {
   Latecomers& latecomers_;
   Estimator& estimator_;
   HardInputs& hard_;
-  bool apart_ = false;  ///< something is to be replayed for
-  Estimates found_;     ///< of the body that is looked at
+  bool apart_ = false;  ///< some body needs a replay
+  Estimates found_;     ///< of the current body
   std::vector<Wanted> wanted_;
   std::vector<pbd::PoseTarget> targets_;
-  std::vector<SharedBody*> targeted_;  ///< of targets_
+  std::vector<SharedBody*> targeted_;  ///< the bodies of targets_
 };
 
 }  // namespace tandem::consensus

@@ -12,27 +12,27 @@
 
 namespace tandem::consensus {
 
-/// A state of another peer that counts, against the own one of its stamp.
+/// A remote state that counts, relative to the own state at its stamp.
 struct Stamped {
   SessionTime stamp = 0;  ///< ns
   pbd::BodyState state;
   bool apart = false;  ///< beyond ReplayOptions::tolerance
 };
 
-/// What the others say of one body, in a form that can be averaged.
+/// The peers' states of one body, in a form that can be averaged.
 struct Estimates {
-  std::vector<PeerEstimate> states;  ///< taken to be so now
-  std::vector<Stamped> stamped;      ///< of `states`; empty where these are carried to now
-  std::vector<Claim> claims;         ///< of those who do not own the body and count at all
+  std::vector<PeerEstimate> states;  ///< as estimated for now
+  std::vector<Stamped> stamped;      ///< of `states`; empty if those were extrapolated to now
+  std::vector<Claim> claims;         ///< of peers that do not own the body and have a share
   std::vector<PeerId> leaders;
-  /// States of owners that a replay takes as they are.
+  /// Owners' states that a replay takes over unchanged.
   std::vector<Stamped> prescribed;
   pbd::TargetMotion motion = pbd::TargetMotion::WithBody;
-  bool votes = false;  ///< `states` are to be fused as votes
-  /// A hand that only its own peer knows moves the body: where it is now has to be guessed.
+  bool votes = false;  ///< `states` are fused as votes
+  /// A hand that only its own peer knows moves the body: its present pose has to be extrapolated.
   bool by_hand = false;
 
-  /// Those of which the test says so, and what belongs to them.
+  /// Keep the states that pass the test, and their stamped counterparts.
   template <class Test>
   void keep(Test test) {
     std::size_t kept = 0;
@@ -55,14 +55,14 @@ struct Estimates {
   }
 };
 
-/// What agreement wants of one body.
+/// The target that agreement wants for one body.
 struct Wanted {
   SharedBody* shared = nullptr;
-  unsigned placed = 0;                  ///< of `shared`, when the others were compared with it
-  PeerId heaviest = 0;                  ///< who has the most say in it
-  bool replayed = false;                ///< where it is to be is the replay's to say
-  SessionTime oldest = 0;               ///< ns, stamp of the oldest news
-  pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, in the last step
+  unsigned placed = 0;                  ///< of `shared`, when the states were compared with it
+  PeerId heaviest = 0;                  ///< the peer with the largest share
+  bool replayed = false;                ///< the replay determines the pose
+  SessionTime oldest = 0;               ///< ns, oldest stamp used
+  pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, correction of the last step
   pbd::PoseTarget target;
 };
 

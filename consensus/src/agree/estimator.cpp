@@ -13,19 +13,19 @@
 namespace tandem::consensus {
 namespace {
 
-/// A peer that does not own a body is heard with no more than this, whatever it claims.
+/// Largest share accepted from a peer that does not own the body.
 constexpr double kMaxSharedInfluence = 0.5;
-/// The same of one that leads: nobody else acts on the body.
+/// Largest share accepted from a peer that leads it: nobody else acts on the body.
 constexpr double kMaxLeadersInfluence = 0.8;
 
-/// Of a mean at a stamp: who does not own a body does not have all of it.
+/// Largest share in a mean at a stamp of a peer that does not own the body.
 constexpr double kMaxOfMean = 0.9999;
 
-/// Weight against the own state's 1 below which nobody counts: not even as one of so many votes,
-/// nor as somebody to replay for.
+/// Weights below this, relative to the own state's 1, are ignored: such a state is neither a vote
+/// nor worth a replay.
 constexpr double kNegligible = 0.01;
 
-/// m: a newcomer that is put so far away tells of a jump.
+/// m: a newcomer's placement over a longer distance is announced as a jump.
 constexpr double kFarAway = 0.1;
 
 }  // namespace
@@ -33,7 +33,7 @@ constexpr double kFarAway = 0.1;
 Estimator::Listening Estimator::listening_to(const SharedBody& shared,
                                              std::span<const Inbox::Received> newest, bool replays,
                                              bool by_hand) const {
-  return {// Two peers know no majority, and pay for none.
+  return {// Two peers have no majority, and need not pay for votes.
           .several =
               data_.options.robust.outvote && newest.size() >= 2 && !shared.def.owner.has_value(),
           .carried = by_hand || !replays,
@@ -52,7 +52,7 @@ void Estimator::estimate(SharedBody& shared, std::span<const Inbox::Received> ne
     return;
   }
   if (rests_where_all_have_it(shared, newest)) return;
-  // What a spring that only its own peer knows does to the body cannot be replayed.
+  // The effect of a spring that only its own peer knows cannot be replayed.
   const bool hands = trust_.believes_hands(newest.size());
   out.by_hand =
       data_.springs.holds_alone(shared.def.body) || ranges::any_of(newest, [&](const auto& r) {
@@ -78,7 +78,7 @@ bool Estimator::rests_where_all_have_it(const SharedBody& shared,
     if (there.rounded || there.flags.owner_driven) return false;
     if (speed(there.twist) > 0.0) return false;
     const double way = (there.pose.position - own.position).norm();
-    // rad: twice the distance of unit quaternions that are near.
+    // rad: for a small angle, twice the distance of the unit quaternions.
     const double turn = 2.0 * (there.pose.orientation.coeffs() - own.orientation.coeffs()).norm();
     return way + kLeverArm * turn <= data_.options.replay.tolerance;
   });
@@ -138,8 +138,8 @@ void Estimator::follow(SharedBody& shared, const StateUpdate& update, const pbd:
     shared.landed = update.stamp;
     return;
   }
-  // A newcomer takes over what it hears as it is. Drawn there, its copies would get caught on
-  // what lies in between, and would pull at the others' once they listen.
+  // A newcomer takes over the first state it hears as it is. If it were pulled there instead, its
+  // copies would get caught on obstacles and pull at the others' copies.
   shared.joined = true;
   if (prediction.translation.squaredNorm() > kFarAway * kFarAway) {
     shared.jumped = SharedBody::kJumpTold;
@@ -154,7 +154,7 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
       listening.carried ? listening.own_confidence : weight_of_share(listening.own_announced);
   double weight = (1.0 - listening.own_lead) * weight_of_share(hearing.share) / mine;
   if (data_.options.arbitration && listening.own_confidence >= 1.0) {  // a newcomer leads nobody
-    // Compared at the stamp: what spins fast turns far within the age of an update.
+    // Compared at the stamp: a fast spin turns far within the age of an update.
     bool follows = leads || newest[i].peer < data_.self();
     if (listening.several && !leads) {
       if (angle > PoseArbiter::kFromAngle) follows = trust_.outvoted_at_stamp(shared, newest, i);
@@ -164,7 +164,7 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
   }
   if (weight < kNegligible) return 0.0;
   if (!listening.carried) return std::min(share_of_weight(weight), kMaxOfMean);
-  // It leads, and does not own.
+  // It leads, and does not own the body.
   const double guessed =
       std::min(share_of_weight(weight), leads ? kMaxLeadersInfluence : kMaxSharedInfluence);
   if (!data_.options.influence.limits_guesses) return guessed;
@@ -173,7 +173,7 @@ double Estimator::share_beside(const SharedBody& shared, std::span<const Inbox::
 }
 
 void Estimator::keep_leaders(Estimates& out) {
-  // The others only know an earlier state of it, and whoever says something false is one of them.
+  // Other peers only know an earlier state, and a liar is one of the others.
   out.keep([&](const PeerEstimate& estimate) {
     return estimate.share >= 1.0 || ranges::find(out.leaders, estimate.peer) != out.leaders.end();
   });
@@ -186,7 +186,7 @@ void Estimator::estimate_owner(SharedBody& shared, std::span<const Inbox::Receiv
   const pbd::BodyState& own = data_.world.state(shared.def.body);
   for (const Inbox::Received& received : newest) {
     const StateUpdate& update = remote_.as_meant(received, shared);
-    // Until the new owner has the grant nobody owns the body, and it moves as it does here.
+    // Until the new owner has the grant the body has no owner, and moves freely here.
     if (received.peer != owner || update.influence < 1.0F) continue;
     const Prediction prediction = remote_.carry(shared, owner, update);
     const pbd::BodyState there = moved(own, prediction);

@@ -28,7 +28,7 @@ double share_of_weight(double weight) {
 double share_per_step(double share, double dt) {
   if (!(share > 0.0)) return 0.0;
   if (share >= 1.0) return 1.0;
-  // expm1 and log1p keep small shares exact to rounding, where 1 - pow(1 - s, n) loses digits.
+  // expm1 and log1p are exact to rounding for small shares; 1 - pow(1 - s, n) loses digits.
   return -pbd::portable::expm1(dt / kShareInterval * pbd::portable::log1p(-share));
 }
 
@@ -43,7 +43,7 @@ void InfluenceOptions::validate() const {
 double announced_share(const InfluenceOptions& options, bool held_alone, bool leads) {
   const double share =
       held_alone ? std::max(options.baseline, options.held_alone) : options.baseline;
-  // Where nothing is agreed upon nobody leads.
+  // A peer that announces no share does not lead.
   return leads && share > 0.0 ? std::max(share, options.leading) : share;
 }
 

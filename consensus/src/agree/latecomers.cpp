@@ -12,18 +12,19 @@
 namespace tandem::consensus {
 namespace {
 
-/// So many times as old as half of the others' states are, and a step, in which they were not made
-/// together: a replay costs hardly more than it would without.
+/// A peer is late if its newest state is older than this times the median age plus a step (states
+/// are not sent in step). Within it a replay costs hardly more than without that peer.
 constexpr double kOlder = 1.3;
 
-/// s: of a single body, whose states may have been lost.
+/// s: additional age allowed for a single body, whose states may have been lost.
 constexpr double kLost = 0.1;
 
 }  // namespace
 
 void Latecomers::look() {
   none_ = true;
-  // Who goes to and fro about the limit would have the replay's start do so, and new ones begun.
+  // Hysteresis: a peer at the limit would move the replay's start to and fro, and begin new
+  // replays.
   const double older = std::exchange(carried_, 0) != 0 ? 1.0 : kOlder;
   members_.clear();
   for (std::size_t i = 0; i < data_.bodies.size(); ++i) {
@@ -44,7 +45,7 @@ void Latecomers::look() {
     ages_.push_back(std::max(0.0, seconds(data_.now - member.newest)));
   }
   std::sort(ages_.begin(), ages_.end());
-  // The newer half of three and more is in time.
+  // With three or more peers the newer half is in time.
   const double usual = ages_[(ages_.size() - 1) / 2];
   const SendOptions& sending = data_.options.sending;
   double most = older * usual + data_.step_dt + (sending.selects() ? sending.refresh : 0.0);
@@ -80,7 +81,7 @@ std::span<const Inbox::Received> Latecomers::in_time(const SharedBody& shared,
   bool owner_late = false;
   for (const Inbox::Received& received : newest) {
     const bool late = is_late(received);
-    // A hand that physics has no say in is not replayed.
+    // A body dragged by a hand without physics is not replayed.
     const bool by_hand =
         received.update.flags.owner_driven && data_.options.mode != InputMode::Soft;
     const bool owns = shared.def.owner == received.peer;

@@ -10,33 +10,33 @@
 
 namespace tandem::consensus {
 
-/// Whose states are so much older than the others' that the replay does not go back to them. It
-/// would for everybody: one member's way would be all members' cost.
+/// Peers whose states are so much older than the others' that the replay does not go back to them:
+/// one member's delay would cost everybody.
 class Latecomers {
  public:
   explicit Latecomers(PeerData& data) : data_(data) {}
 
-  /// Before the estimates of a step. Who is late is counted in its report.
+  /// Call before the estimates of a step. Counts late peers in their reports.
   void look();
-  /// Nobody is, or nobody is looked for.
+  /// Whether no peer is late, or none was looked for.
   bool none() const { return none_; }
   void forget() { none_ = true; }
-  /// Of the last look().
+  /// As of the last look().
   bool is_late(PeerId peer) const;
-  /// Likewise, of two: the older one, to whose states the replay does not go back either, as they
-  /// can be carried to where it begins. Of two nobody can tell who is usual, and without the older
-  /// one the newer would have the only say.
+  /// Of two peers, whether this is the older one, which the replay does not go back to: its states
+  /// are extrapolated to the replay's start. With two there is no median, and without the older one
+  /// the newer would decide alone.
   bool is_carried(PeerId peer) const { return peer != 0 && peer == carried_; }
-  /// What those say of a body who are in time, and who owns it; all of it where nobody is. Valid
-  /// until the next call.
-  /// @param guessed  set: nobody is in time, so that where the body is now has to be guessed
+  /// States of a body from peers that are in time, and its owner's; all of them if no peer is late.
+  /// Valid until the next call.
+  /// @param guessed  set: no peer is in time, so that the present pose has to be extrapolated
   std::span<const Inbox::Received> in_time(const SharedBody& shared,
                                            std::span<const Inbox::Received> newest, bool& guessed);
 
  private:
   struct Member {
     PeerId peer = 0;
-    SessionTime newest = 0;  ///< ns, stamp of the newest state of what moves; 0 = nothing does
+    SessionTime newest = 0;  ///< ns, newest stamp of a moving body; 0 = none moves
     bool late = false;
   };
   bool is_late(const Inbox::Received& received) const;
@@ -45,7 +45,7 @@ class Latecomers {
   std::vector<Member> members_;  ///< by peer
   std::vector<double> ages_;     ///< s
   std::vector<Inbox::Received> heard_;
-  SessionTime oldest_ = 0;  ///< ns, stamp of a single body
+  SessionTime oldest_ = 0;  ///< ns, oldest stamp in time for a single body
   PeerId carried_ = 0;
   bool none_ = true;
 };

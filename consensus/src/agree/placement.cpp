@@ -11,12 +11,12 @@
 namespace tandem::consensus {
 namespace {
 
-/// m: what moves so much further in a step than its velocity says was put there, and says so
-/// (tests/consensus/jump_test.cpp: an owner's jump).
+/// m: a body that moves this much further in a step than its velocity explains was placed, and is
+/// announced as jumped (tests/consensus/jump_test.cpp: an owner's jump).
 constexpr double kJump = 0.1;
 
-/// Part of the ramp of authority in which a newcomer is put elsewhere where others correct what it
-/// was told first, and how far (m) that has to be.
+/// A newcomer is placed again if the others correct its first state by more than this distance (m)
+/// within this part of its authority ramp.
 constexpr double kNewcomerPart = 0.3;
 constexpr double kWrongPlace = 0.03;
 

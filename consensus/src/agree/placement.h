@@ -7,17 +7,17 @@
 
 namespace tandem::consensus {
 
-/// Puts bodies where others have them: an owner's jumps, and newcomers'.
+/// Places bodies where others have them: for owners' jumps, and at newcomers.
 class Placement {
  public:
   explicit Placement(PeerData& data) : data_(data) {}
 
-  /// Put a body where it is said to be, whatever is in between.
+  /// Place a body, whatever is in the way.
   void place(SharedBody& shared, const pbd::BodyState& state);
-  /// A newcomer took over what it heard first, which may have been false: put its body where the
-  /// majority of several has it.
+  /// A newcomer's first state may have been false: place its body where the majority of several
+  /// peers has it.
   void give_way(SharedBody& shared, const Estimates& estimates);
-  /// After a step of `dt` s: whether the body was put somewhere else since the last one.
+  /// After a step of `dt` s: detect whether the body was placed since the last one.
   void note_step(SharedBody& shared, double dt) const;
 
  private:

@@ -20,21 +20,21 @@ namespace {
 
 using pbd::Vec3;
 
-/// s: of the low-pass on measured accelerations and their frequency. At three times as much a
-/// steady one is found too late (tests/consensus/extrapolation_test.cpp).
+/// s: low-pass on measured accelerations and their frequency. At three times as much a steady
+/// acceleration is found too late (tests/consensus/extrapolation_test.cpp).
 constexpr double kAccelerationFilter = 0.05;
-constexpr double kUnknownFrequency = 100.0;  // Hz, where there was no acceleration before
-/// Hz: measured accelerations that change faster count nothing, those at half of it fully. Tennis
-/// at profile 5 (seeds 11 to 18): 12.8 hits of a player in 12 s, and 11.6 where all count fully;
-/// but the room has 20 mm there (all p95) in place of 24, and 26 where none counts.
+constexpr double kUnknownFrequency = 100.0;  // Hz, if there was no acceleration before
+/// Hz: measured accelerations that change faster are ignored, those at half of it count fully.
+/// Tennis at profile 5 (seeds 11 to 18): 12.8 hits of a player in 12 s, and 11.6 if all count
+/// fully; room has 20 mm there (all p95) in place of 24, and 26 if none counts.
 constexpr double kMaxFrequency = 4.0;
 
-/// Neither touches, is joined nor held at the stamp.
+/// Not touched, joined or held at the stamp.
 bool is_free(const StateUpdate& update) {
   return !update.flags.in_contact && !update.flags.held && !update.flags.owner_driven;
 }
 
-/// What misses to a state that was carried on by itself.
+/// The correction to an extrapolated state.
 Prediction to_state(const StateUpdate& update, const MotionSample& own, const Vec3& position,
                     const pbd::Twist& twist, double age) {
   const pbd::Quat there = pbd::rotated(update.pose.orientation, age * update.twist.angular);
@@ -43,7 +43,7 @@ Prediction to_state(const StateUpdate& update, const MotionSample& own, const Ve
           by_hand ? pbd::TargetMotion::Inertial : pbd::TargetMotion::WithBody};
 }
 
-/// Carries a state on by itself.
+/// Extrapolates a state by itself.
 class Extrapolator final : public Predictor {
  public:
   Extrapolator(PredictorKind kind, const PredictorOptions& options)
@@ -68,10 +68,10 @@ class Extrapolator final : public Predictor {
   bool remembers() const override { return kind_ == PredictorKind::Replay; }
 
  private:
-  /// Of an owner's body gravity where it is free, else what was measured, while that changes
-  /// slowly. Whatever is not owned answers to this peer's guess, and a guess of its acceleration
-  /// swings: copies of the piano at profile 5 had turned 15 degrees apart (p95), and 0.7 without
-  /// it.
+  /// For owners' bodies: gravity if the body is free, else the measured acceleration while it
+  /// changes slowly. A body without an owner reacts to this peer's guess, and a guessed
+  /// acceleration oscillates: copies of the piano at profile 5 were then 15 degrees apart (p95),
+  /// and 0.7 without it.
   Vec3 acceleration_of(const StateUpdate& update, const PredictionContext& context) const {
     if (!(update.influence >= 1.0F)) return Vec3::Zero();
     PredictorMemory* const memory = context.memory;
@@ -87,15 +87,15 @@ class Extrapolator final : public Predictor {
     const Vec3 measured =
         first ? Vec3(Vec3::Zero()) : Vec3((update.twist.linear - memory.velocity) / dt);
     if (!first) {
-      // Of a sine of angular frequency w, what a low-pass of time constant T misses is w T times
-      // what it gives.
+      // For a sine of angular frequency w, a low-pass of time constant T misses w T times its
+      // output.
       const double missed = (measured - memory.acceleration).norm();
       const double given = memory.acceleration.norm();
       const double cycles = 2.0 * std::numbers::pi * kAccelerationFilter * given;
       const double frequency =
           missed < kUnknownFrequency * cycles ? missed / cycles : kUnknownFrequency;
       const double blend = 1.0 - pbd::portable::exp(-dt / kAccelerationFilter);
-      // At once up, slowly down: one hit makes the measured acceleration worthless for a while.
+      // Rises at once, falls slowly: after a hit the measured acceleration is useless for a while.
       memory.frequency =
           std::max(frequency, memory.frequency + blend * (frequency - memory.frequency));
       memory.acceleration += blend * (measured - memory.acceleration);

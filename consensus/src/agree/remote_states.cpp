@@ -16,24 +16,24 @@
 namespace tandem::consensus {
 namespace {
 
-/// rad: how far rounding turns a body at most. Half a quantum in each of three components c moves
-/// the largest, L >= 1/2, by at most (|a| + |b| + |c|) / L <= 3 of it, and turns by twice the
-/// length of all four: 2 sqrt(3 + 9) half quanta.
+/// rad: largest rotation by rounding. Half a quantum in each of three components c changes the
+/// largest, L >= 1/2, by at most (|a| + |b| + |c|) / L <= 3 of it, and rotates by twice the length
+/// of all four: 2 sqrt(3 + 9) half quanta.
 constexpr double kRoundedAngle = 3.4641016151377544 * kOrientationQuantum;
 
-/// Nearer to zero by at most `limit`.
+/// `value` moved towards zero by at most `limit`.
 double shrunk(double value, double limit) {
   return std::copysign(std::max(0.0, std::abs(value) - limit), value);
 }
 
-/// What rounds to `value` and is nearest to `own`, component by component.
+/// The value nearest to `own` that rounds to `value`, component by component.
 pbd::Vec3 nearest(const pbd::Vec3& own, const pbd::Vec3& value, double half_quantum) {
   pbd::Vec3 out;
   for (int i = 0; i < 3; ++i) out[i] = own[i] + shrunk(value[i] - own[i], half_quantum);
   return out;
 }
 
-/// Lengths as well: they are what a rotation and a distance are made from.
+/// Checks lengths too: rotations and distances are computed from them.
 bool finite(const Prediction& p) {
   return std::isfinite(p.translation.squaredNorm()) && std::isfinite(p.rotation.squaredNorm()) &&
          std::isfinite(p.twist.linear.squaredNorm()) &&
@@ -58,15 +58,14 @@ const StateUpdate& RemoteStates::as_meant(const Inbox::Received& received,
   meant_ = update;
   meant_.stamp = std::min(data_.inbox.holds_until(received), data_.now);
   if (ahead > 0) {
-    // Its sender's clock is ahead: where the body was on that way by now. Nobody knows its own copy
-    // of times to come.
+    // The sender's clock is ahead: extrapolate back to now, as there is no own state of the future.
     meant_.pose = carried({update.pose, update.twist}, -seconds(ahead)).pose;
   }
   const pbd::BodyState own =
       data_.history.state_beside(shared.def.body.index, meant_.stamp, update.twist);
   if (!oriented) meant_.pose.orientation = own.pose.orientation;
   if (!update.rounded) return meant_;
-  // What rounds to the same is the same: else each body would be drawn to the lattice, and one that
+  // Values that round alike count as equal: else bodies would be drawn to the lattice, and one that
   // slows down would be kept at a multiple of the speed's quantum.
   meant_.pose.position = nearest(own.pose.position, meant_.pose.position, 0.5 * kPositionQuantum);
   meant_.twist.linear = nearest(own.twist.linear, update.twist.linear, 0.5 * kLinearSpeedQuantum);
@@ -91,7 +90,7 @@ Stamped RemoteStates::compare(const SharedBody& shared, const StateUpdate& updat
   }
   missing = gap(then, there.state);
   const double age = seconds(data_.now - update.stamp);
-  // What has been done to it since came later here.
+  // Acts on it were applied here later than at the stamp.
   const pbd::Correction behind = data_.history.lag(shared.def.body.index, update.stamp,
                                                    std::numeric_limits<SessionTime>::max());
   const pbd::Vec3 far = missing.translation + behind.translation;
@@ -122,7 +121,7 @@ Prediction RemoteStates::carry(SharedBody& shared, PeerId from, const StateUpdat
   const OwnMotion own(data_.history, shared.def.body.index);
   const PredictionContext context = context_of(shared, from);
   Prediction prediction = predictor_->predict(update, own, context);
-  // No number of an application's own gets into a world unseen.
+  // Values of an application's predictor enter the world only if finite.
   if (!finite(prediction)) prediction = as_stamped_->predict(update, own, context);
   if (!update.oriented || !shared.def.orientation) prediction.rotation.setZero();
   return prediction;
@@ -149,7 +148,7 @@ Heard& RemoteStates::heard_from(SharedBody& shared, PeerId peer) const {
   if (it == shared.heard.end() || it->peer != peer) {
     it = shared.heard.insert(it, {.peer = peer, .last = data_.now, .memory = {}});
   } else if (seconds(data_.now - it->last) > data_.options.influence.max_age) {
-    *it = {.peer = peer, .last = data_.now, .memory = {}};  // away, or started again
+    *it = {.peer = peer, .last = data_.now, .memory = {}};  // it was away, or restarted
   }
   it->last = data_.now;
   return *it;

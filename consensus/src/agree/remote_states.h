@@ -11,24 +11,25 @@
 
 namespace tandem::consensus {
 
-/// What a state of another peer stands for here: at its stamp, and now.
+/// Interprets other peers' states, at their stamps and now.
 class RemoteStates {
  public:
   explicit RemoteStates(PeerData& data);
 
-  /// Of what rests one that is as new as the last word of its sender, of what was rounded the one
-  /// nearest to the own copy, of what is stamped ahead one of now. Valid until the next call.
+  /// A resting body's state is restamped to its sender's newest message, a rounded one is the
+  /// nearest to the own copy that rounds alike, and one stamped ahead is moved back to now. Valid
+  /// until the next call.
   const StateUpdate& as_meant(const Inbox::Received& received, const SharedBody& shared);
-  /// A state, and what the own one of its stamp misses to it.
+  /// A state, and the difference of the own one at its stamp to it.
   Stamped compare(const SharedBody& shared, const StateUpdate& update,
                   pbd::Correction& missing) const;
-  /// What each peer says of a body, brought to now by the own motion since, with what it counts
-  /// now; appended.
+  /// Each peer's state of a body, brought to now by the own motion since, with its present share;
+  /// appended.
   void as_of_now(const SharedBody& shared, std::span<const Inbox::Received> newest,
                  std::vector<StateUpdate>& out);
-  /// A state carried to now by the predictor.
+  /// A state extrapolated to now by the predictor.
   Prediction carry(SharedBody& shared, PeerId from, const StateUpdate& update);
-  /// Tell the observer of an estimate.
+  /// Report an estimate to the observer.
   void observe(SharedBody& shared, PeerId from, const StateUpdate& update,
                const Prediction& prediction);
   void set_observer(PeerObserver* observer) { observer_ = observer; }

@@ -13,38 +13,39 @@
 namespace tandem::consensus {
 namespace {
 
-/// m: at this lever a turn counts as a way, so that 1 mm stands beside 1 degree.
+/// m: lever that turns rotations into distances, so that 1 degree counts as 1 mm.
 constexpr double kTurnLever = 0.06;
-/// m: what is further apart rests in different places; no island sleeps by itself then.
+/// m: copies further apart rest in different places; no island sleeps by itself then.
 constexpr double kApart = 1e-3;
-/// ns: islands are looked at so often.
+/// ns: interval between examinations of the islands.
 constexpr SessionTime kInterval = 100'000'000;
-/// ns: what has stayed in one place for so long rests.
+/// ns: a copy that has stayed in place for this long rests.
 constexpr SessionTime kPatience = 1'000'000'000;
-/// ns: so long whoever is elected has to fall asleep, before its copy is taken over as it is.
+/// ns: time for an elected peer's copies to fall asleep, before they are taken over awake.
 constexpr SessionTime kSleepPatience = 2'000'000'000;
-/// m: what moves within the first stands; within more than the second it moves, however far away
-/// somebody says that it is (tests/session/settlement_test.cpp, a ball that rolls).
+/// m: a copy that stays within kStands stands. One that leaves kFarthest moves, however far away
+/// others claim to be (tests/session/settlement_test.cpp, a ball that rolls).
 constexpr double kStands = 3e-3;
 constexpr double kFarthest = 0.15;
-/// Who is so many times as far from all the others as the most central copy is not elected.
+/// A peer whose distance to all others is this many times that of the most central copy is not
+/// elected.
 constexpr double kOutvoted = 1.4;
-/// ns: what nobody has acted on since is put somewhere else no sooner again, whatever a liar says.
+/// ns: a body that nobody acted on is not placed again sooner, whatever a liar says.
 constexpr SessionTime kAgain = 5'000'000'000;
-/// So often the same is taken over: what slides away each time lies on something else here.
+/// Takeovers of one pose: a body that slides away each time rests on something else here.
 constexpr int kTries = 2;
 
 double distance(const pbd::Pose& a, const pbd::Pose& b) {
   return (a.position - b.position).norm() + kTurnLever * small_angle(a.orientation, b.orientation);
 }
 
-/// What sleeps has no velocity at all.
+/// A sleeping body has no velocity at all.
 bool sleeps(const StateUpdate& update) {
   return update.flags.resting ||
          (update.twist.linear.isZero(0.0) && update.twist.angular.isZero(0.0));
 }
 
-/// m: below 0 two bodies overlap.
+/// m; below 0 the bodies overlap.
 double least_gap(const pbd::World& world, const pbd::Manifold& manifold) {
   const pbd::Pose& a = world.states()[manifold.body_a].pose;
   const pbd::Pose& b = world.states()[manifold.body_b].pose;
@@ -103,7 +104,7 @@ void Settlement::find_bodies() {
   }
   if (same) return;
   std::vector<Body> before = std::exchange(bodies_, {});
-  // In one order, then and now.
+  // Both lists are in the same order.
   auto next = before.begin();
   for (const SharedBody& shared : data_.bodies) {
     const auto found = std::find_if(next, before.end(),
@@ -142,7 +143,7 @@ void Settlement::look_at(std::size_t index) {
   for (const Inbox::Received& received : newest) {
     const StateUpdate& update = received.update;
     if (!counts(received)) continue;
-    // Springs are known here; what else is said to act may be a lie.
+    // Springs are known here; other claims to act may be lies.
     const bool leads =
         update.flags.leads && (newest.size() < 2 || trust_.believes_lead(shared, received.peer));
     const bool by_hand = update.flags.owner_driven && trust_.believes_hands(newest.size());
@@ -183,7 +184,7 @@ void Settlement::find_islands() {
   }
   for (const auto& [a, b] : activity_.joined()) {
     join(a, b);
-    // What is jointed to something that only is here cannot be put where others have it.
+    // A body jointed to one that is not shared cannot be placed elsewhere.
     if (in_slot_[a] == kNone && in_slot_[b] != kNone) bodies_[in_slot_[b]].free = false;
     if (in_slot_[b] == kNone && in_slot_[a] != kNone) bodies_[in_slot_[a]].free = false;
   }
@@ -261,7 +262,7 @@ void Settlement::settle_island() {
   if (!free) {
     for (const std::size_t i : members_) bodies_[i].taken_at = 0;
   }
-  // What touches nothing has no place to rest in: it coasts, or hangs and swings.
+  // A body that touches nothing cannot rest: it coasts, or hangs and swings.
   const PeerId elected = gap > kApart && free && touches ? elect() : 0;
   for (const std::size_t i : members_) {
     if (bodies_[i].elected == elected) continue;
@@ -278,7 +279,7 @@ PeerId Settlement::elect() {
                                      [&](std::size_t i) { return rests(bodies_[i], copy.peer); });
     if (at_rest) candidates_.push_back({.peer = copy.peer});
   }
-  // Where the own copy moves, what the others said when theirs did not is no news.
+  // If the own copy moves, an earlier state of rest of the others is no news.
   if (candidates_.size() < 2 || candidates_.front().peer != data_.self()) return 0;
   for (const std::size_t i : members_) {
     for (std::size_t a = 0; a < candidates_.size(); ++a) {
@@ -299,7 +300,7 @@ PeerId Settlement::elect() {
     if (candidate.cost > kOutvoted * least) continue;
     elected = elected == 0 ? candidate.peer : std::min(elected, candidate.peer);
   }
-  // Who is alone with what it says is no reason for an election among the others.
+  // A single dissenter is no reason for an election among the others.
   const bool differ = ranges::any_of(candidates_, [&](const Candidate& candidate) {
     return std::any_of(members_.begin(), members_.end(),
                        [&](std::size_t i) { return apart(i, candidate.peer, elected) > kApart; });

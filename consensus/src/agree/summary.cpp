@@ -19,7 +19,7 @@ std::optional<StateUpdate> fuse(std::span<const StateUpdate> states) {
   for (const StateUpdate& state : states) {
     if (state.id != first.id || state.stamp != first.stamp) return std::nullopt;
     if (leads && !state.flags.leads) continue;
-    // Whoever they are: which of two is meant decides only where no mean is.
+    // Made-up ids: they only break ties if there is no mean.
     estimates.push_back({.peer = estimates.size() + 1,
                          .pose = state.pose,
                          .twist = state.twist,

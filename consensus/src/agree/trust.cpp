@@ -14,22 +14,22 @@
 namespace tandem::consensus {
 namespace {
 
-/// Further than this (m, see StateOffset) from the others on average, and costing this much more
-/// than the best: noted as an outlier. With kFar three times as large the liars of
+/// A state further than kOutlier (m, see StateOffset) from the others on average, and kFar times as
+/// costly as the best one, is noted as an outlier. With kFar three times as large the liars of
 /// tests/consensus/malicious_test.cpp are not noted.
 constexpr double kOutlier = 0.05;
 constexpr double kFar = 1.5;
 
-/// No honest peer has so much more weight than the next one where nobody leads.
+/// If nobody leads, no honest peer's weight exceeds the next one's by this factor.
 constexpr double kMoreThanOthers = 4.0;
 
-/// Nobody sees that a body moved so far (m) in 1/60 s of itself, nor this part of its way, nor that
-/// it went so much faster (m/s).
+/// A shift this small (m per 1/60 s), this fraction of the body's own motion, or a change of speed
+/// this small (m/s) goes unnoticed.
 constexpr double kUnseen = 0.003;
 constexpr double kUnseenPart = 0.1;
 constexpr double kUnseenKick = 0.05;
 
-/// `v` cut to a length.
+/// `v` shortened to at most `longest`.
 pbd::Vec3 cut(const pbd::Vec3& v, double longest, bool& was_longer) {
   const double square = v.squaredNorm();
   if (square <= longest * longest) return v;
@@ -98,8 +98,8 @@ void Trust::weigh_votes(const pbd::BodyState& own, double equal,
     }
   }
   if (!(second > 0.0) || std::isinf(first)) return;
-  // Nobody has more to say than the next one; but who claims next to nothing leaves the other one
-  // what any peer has.
+  // No peer has more weight than the next one; but if the next one claims next to nothing, the
+  // first keeps the weight of any peer.
   if (first > kMoreThanOthers * second) second = std::max(second, std::min(first, equal));
   votes_.clear();
   votes_.push_back({.at = {}, .weight = data_.confidence()});
@@ -140,7 +140,7 @@ void Trust::limit(const pbd::BodyState& own, Wanted& wanted) {
     capped = capped || longer;
     return longer ? pbd::Vec3(here + way) : there;
   };
-  // Who has put its copies where the others have them shows them, and gives itself time.
+  // A newcomer that has placed its copies corrects them slowly and unseen.
   double step = most.max_correction;
   double kick = most.max_velocity_correction;
   if (wanted.shared->joined && data_.confidence() < 1.0) {

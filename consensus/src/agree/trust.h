@@ -11,23 +11,23 @@
 
 namespace tandem::consensus {
 
-/// How far others are believed: votes in place of a mean, limits of what is asked for, and what is
-/// noted about whom.
+/// Limits how far other peers are believed: votes in place of a mean, bounds on corrections, and
+/// counts in the reports.
 class Trust {
  public:
   explicit Trust(PeerData& data) : data_(data) {}
 
-  /// Whether a peer that says so leads a body, as far as can be known here.
+  /// Whether a peer's claim to lead a body is believed, as far as can be known here.
   bool believes_lead(SharedBody& shared, PeerId from);
-  /// Whether a hand is believed in that nobody else knows.
+  /// Whether a claimed hand is believed that no other peer knows.
   bool believes_hands(std::size_t others) const;
-  /// Whether more say what newest[i] says of the orientation than what is so here.
+  /// Whether a majority agrees with newest[i] on the orientation rather than with the own state.
   bool outvoted_at_stamp(const SharedBody& shared, std::span<const Inbox::Received> newest,
                          std::size_t i);
-  /// Of several estimates those far from the rest count less.
-  /// @param equal  weight of one who announces as much as this peer
+  /// Reduce the weights of estimates far from the rest.
+  /// @param equal  weight of a peer that announces the same share as this one
   void weigh_votes(const pbd::BodyState& own, double equal, std::span<PeerEstimate> estimates);
-  /// Ask for no more than RobustOptions allow.
+  /// Limit the correction to RobustOptions.
   void limit(const pbd::BodyState& own, Wanted& wanted);
 
  private:

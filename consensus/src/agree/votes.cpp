@@ -50,7 +50,7 @@ void weigh_centrality(std::span<Vote> votes) {
   }
   const Periphery outside = periphery(votes.size());
   for (Vote& vote : votes) {
-    // A cost of nothing: all are in one place.
+    // Zero cost: all votes are in one place.
     const double ratio = vote.cost > 0.0 ? vote.cost / least : 1.0;
     vote.central = std::clamp((outside.none - ratio) / (outside.none - outside.full), 0.0, 1.0);
   }
@@ -58,7 +58,7 @@ void weigh_centrality(std::span<Vote> votes) {
 
 bool outvoted(std::span<const Claim> claims, std::size_t i, PeerId self) {
   const Claim own{.peer = self};
-  const double near = 0.25 * square_of(own, claims[i]);  // of half the distance
+  const double near = 0.25 * square_of(own, claims[i]);  // square of half the distance
   int for_own = 1;
   int for_other = 0;
   PeerId first_own = self;

@@ -6,8 +6,8 @@
 #include <functional>
 #include <iterator>
 
-/// Algorithms over whole ranges, by a member or a function of the elements: what is used of
-/// std::ranges, which the C++ library of emscripten 3.1 has not.
+/// Algorithms over whole ranges, with projections: the part of std::ranges that is used here, which
+/// the C++ library of emscripten 3.1 lacks.
 namespace tandem::consensus::ranges {
 
 struct Element {
@@ -40,7 +40,7 @@ bool binary_search(const Range& range, const Value& value, Key key = {}) {
   return at != std::end(range) && std::invoke(key, *at) == value;
 }
 
-/// @pre no two have the same key: libraries differ in which they leave first
+/// no two keys are equal: libraries differ in the order of equal ones
 template <class Range, class Key = Element>
 void sort(Range& range, Key key = {}) {
   std::sort(std::begin(range), std::end(range), [&](const auto& l, const auto& r) {

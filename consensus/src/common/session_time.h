@@ -8,12 +8,12 @@
 
 namespace tandem::consensus {
 
-/// s in a nanosecond.
+/// s per ns.
 inline constexpr double kNs = 1e-9;
 
 inline double seconds(SessionTime ns) { return kNs * static_cast<double>(ns); }
 
-/// The nearest nanosecond.
+/// Rounds to the nearest nanosecond.
 inline SessionTime to_ns(double seconds) {
   return static_cast<SessionTime>(std::floor(seconds * 1e9 + 0.5));
 }

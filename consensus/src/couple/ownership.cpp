@@ -7,10 +7,10 @@
 namespace tandem::consensus {
 namespace {
 
-// Without either tests/consensus/ownership_test.cpp fails.
-/// ns: without touching for so long, the next touch is another act.
+// Without either constant tests/consensus/ownership_test.cpp fails.
+/// ns: a touch after a longer pause is a new act.
 constexpr SessionTime kActPause = 100'000'000;
-/// ns: between two requests for the same body.
+/// ns: interval between requests for the same body.
 constexpr SessionTime kAskAgain = 250'000'000;
 
 }  // namespace
@@ -23,7 +23,7 @@ void Ownership::update(std::span<const Receiver::OwnershipNews> news) {
       ++data_.stats.unknown_ids;
     }
   }
-  PeerId lowest = 0;  // of those present; asked for once, and only where it matters
+  PeerId lowest = 0;  // lowest id present; determined once, only if needed
   for (std::size_t i = 0; i < data_.bodies.size(); ++i) {
     SharedBody& shared = data_.bodies[i];
     if (shared.def.owner.has_value() || !data_.world.contains(shared.def.body)) continue;
@@ -57,12 +57,12 @@ void Ownership::hear(Tenure& body, PeerId from, const OwnershipUpdate& message) 
   if (message.event == OwnershipEvent::Grant) {
     if (from != body.owner) return;
     body.owner = message.to;
-    body.since = std::min(message.stamp, now);  // else no claim would ever be later
+    body.since = std::min(message.stamp, now);  // else no later claim could win
     body.heard = now;
     return;
   }
   if (body.owner != self || from == self) return;
-  // Nobody acts in the future, whatever is claimed.
+  // Acts in the future are not believed.
   const SessionTime began = std::min(message.stamp, now);
   const bool earlier = began < body.began || (began == body.began && self < from);
   if (acts(body) && earlier) return;
@@ -77,7 +77,7 @@ void Ownership::hear_claims(Tenure& body, std::span<const Inbox::Received> newes
   for (const Inbox::Received& received : newest) {
     const StateUpdate& update = received.update;
     if (update.influence < 1.0F || update.stamp <= body.since) continue;
-    // Received by ascending peer: of the same stamp the lower id stays.
+    // Sorted by peer: for equal stamps the lower id wins.
     if (latest == nullptr || update.stamp > latest->update.stamp) latest = &received;
   }
   if (latest == nullptr) return;

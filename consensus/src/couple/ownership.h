@@ -12,36 +12,36 @@
 
 namespace tandem::consensus {
 
-/// Who owns each body in the transactional scheme (Coupling::SingleOwner), as networked games do
-/// it:
+/// Ownership of each body in the transactional scheme (Coupling::SingleOwner), as in networked
+/// games:
 ///
-/// - A state says whether its sender owns the body (influence 1). Owners simulate; all others put
-///   the body where its owner has it, and what they do to it lasts until the next step.
-/// - Who acts on a body that is another's (takes hold of it, or touches it with a body that is
-///   theirs for good) asks its owner for it, and asks again for as long as they act.
-/// - The owner grants it, unless its own user acts on the body and began later than the one who
-///   asks; of the same moment the lower id has it. It stops being the owner as it grants, the other
-///   begins as the grant arrives: a round trip after the act, and never two at once.
-/// - What nobody has said to own for InfluenceOptions::max_age (nobody yet, or its owner has gone)
-///   belongs to the lowest id that is present. Two who own a body all the same, as after a parted
-///   network, hear of each other and the higher id gives way.
+/// - A state says whether its sender owns the body (influence 1). Owners simulate; all others copy
+/// the owner's state, and their own effect on the body lasts until the next step.
+/// - A peer that acts on another's body (grabs it, or touches it with a body that it owns for good)
+/// requests it from the owner, again and again while it acts.
+/// - The owner grants the request, unless its own user acts on the body and began earlier; at equal
+/// times the lower id wins. It stops owning as it grants, and the other begins as the grant
+/// arrives: a round trip after the act, and never two owners at once.
+/// - A body without an owner for InfluenceOptions::max_age (none yet, or it has left) belongs to
+/// the lowest id present. If two peers own a body all the same, as after a network partition, the
+/// higher id gives way once they hear of each other.
 class Ownership {
  public:
   Ownership(PeerData& data, Connections& connections, const Activity& activity)
       : data_(data), connections_(connections), activity_(activity) {}
 
-  /// Once each step, with what has been said since the last one.
+  /// Call once each step, with the messages since the last one.
   void update(std::span<const Receiver::OwnershipNews> news);
 
  private:
   void hear(Tenure& body, PeerId from, const OwnershipUpdate& message);
   void hear_claims(Tenure& body, std::span<const Inbox::Received> newest) const;
-  /// @param acting  this peer's user does
+  /// @param acting  whether this peer's user acts on the body
   void act(Tenure& body, const SharedId& id, bool acting);
   bool acts(const Tenure& body) const;
-  /// Whether nobody has owned it for too long.
+  /// Whether it has had no owner for too long.
   bool abandoned(const Tenure& body) const;
-  /// Requests to their `to` alone, grants to everybody.
+  /// Send requests to their `to` alone, grants to everybody.
   void post();
 
   PeerData& data_;

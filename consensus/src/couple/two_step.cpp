@@ -9,7 +9,7 @@
 namespace tandem::consensus {
 namespace {
 
-/// Differences that are left alone.
+/// Differences that are ignored.
 struct Limits {
   double distance = 0.0;       ///< m
   double angle = 0.0;          ///< rad
@@ -19,7 +19,7 @@ struct Limits {
 /// [friston] Sec. 4.6.
 constexpr Limits kThresholds{
     .distance = 1e-3, .angle = 0.017453292519943295, .speed = 1e-2, .angular_speed = 1e-2};
-/// As the solver's targets have them.
+/// The solver's own limits for targets of sleeping bodies.
 constexpr Limits kAgrees{.distance = 1e-3, .angle = 0.0175};
 constexpr double kRestAfter = 0.5;  // s
 
@@ -43,7 +43,7 @@ bool rests(const pbd::World& world, const pbd::PoseTarget& target, double dt, do
 
 pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, double dt,
                               bool thresholds) {
-  // What sleeps and agrees is no reason to wake it: as the solver's own targets have it.
+  // A sleeping body that agrees is not woken, as with the solver's own targets.
   if (!world.awake(target.body) && within(world, target, kAgrees)) return {};
   const double share = share_per_step(target.share, dt);  // of each difference
   const Limits limits = thresholds && share < 1.0 ? kThresholds : Limits{};
@@ -56,7 +56,7 @@ pbd::Correction average_state(pbd::World& world, const pbd::PoseTarget& target, 
   correction.rotation = part(rotation_to(world, target), limits.angle);
   correction.twist.linear = part(target.twist.linear - own.twist.linear, limits.speed);
   correction.twist.angular = part(target.twist.angular - own.twist.angular, limits.angular_speed);
-  // Setting anything wakes: what is where it should be may go to sleep.
+  // Setting a state wakes the body: one that needs no correction may fall asleep.
   if (!correction.translation.isZero(0.0) || !correction.rotation.isZero(0.0)) {
     world.set_pose(target.body, {own.pose.position + correction.translation,
                                  pbd::rotated(own.pose.orientation, correction.rotation)});

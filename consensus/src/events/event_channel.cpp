@@ -15,18 +15,18 @@
 namespace tandem::consensus {
 namespace {
 
-/// Bytes on their way to one peer that it has not acknowledged: a quarter of what it takes in a
-/// second at the default budget, so that what a slow one refuses is not sent again and again.
+/// Bytes in flight to one peer without an acknowledgement: a quarter of the receiver's default
+/// budget per second, so that events refused by a slow peer are not sent again and again.
 constexpr std::size_t kWindow = 64 * 1024;
 
 /// Round trips after which an acknowledgement is late: a reliable packet that is lost once takes
 /// two.
 constexpr std::int64_t kLateTrips = 4;
 
-/// ns, after which a channel without events asks who is there: that costs the transport a list.
+/// ns, interval at which an idle channel looks for peers: that costs the transport a list.
 constexpr SessionTime kIdle = 1'000'000'000;
 
-/// What one event costs beside its bytes, in bytes.
+/// Bytes charged for each event beside its contents.
 constexpr std::size_t kOverhead = 64;
 
 }  // namespace
@@ -52,7 +52,7 @@ class __attribute__((visibility("hidden"))) EventChannel::Impl {
     std::size_t bytes() const { return topic.size() + payload.size() + kOverhead; }
   };
 
-  /// Another peer: what waits for it, and how far it was heard.
+  /// Another peer: events waiting for it, and how far its own were received.
   struct Other {
     PeerId id = 0;
     bool connected = false;
@@ -60,21 +60,21 @@ class __attribute__((visibility("hidden"))) EventChannel::Impl {
     std::int64_t round_trip = -1;
 
     SessionTime epoch = 0;     ///< ns, when the list was begun
-    std::uint64_t first = 0;   ///< number of the first one kept
-    std::uint64_t posted = 0;  ///< number of the next one to post
-    SessionTime progress = 0;  ///< ns, of the last news: sent, acknowledged
-    std::size_t bytes = 0;     ///< kept
+    std::uint64_t first = 0;   ///< number of the first event kept
+    std::uint64_t posted = 0;  ///< number of the next event to post
+    SessionTime progress = 0;  ///< ns, of the last transmission or acknowledgement
+    std::size_t bytes = 0;     ///< of the events kept
     std::deque<std::shared_ptr<const Content>> kept;
 
     SessionTime heard_epoch = -kMaxStamp;
-    std::uint64_t next = 0;  ///< number of the event that is waited for
-    bool owes = false;       ///< an acknowledgement
+    std::uint64_t next = 0;  ///< number of the next expected event
+    bool owes = false;       ///< whether an acknowledgement is due
     pbd::TokenBucket budget;
   };
 
   Impl(Transport& below, const EventOptions& given) : transport(below), options(given) {}
 
-  /// Sort what has come into events and the rest.
+  /// Receive packets and separate events from the rest.
   void pull() {
     const std::size_t before = passed.size();
     transport.drain(passed);
@@ -100,7 +100,7 @@ class __attribute__((visibility("hidden"))) EventChannel::Impl {
   Transport& transport;
   EventOptions options;
   SessionTime now = 0;
-  SessionTime met = -kIdle;   ///< ns, when others were looked for
+  SessionTime met = -kIdle;   ///< ns, when the peers were last listed
   std::vector<Other> others;  ///< by id
   std::vector<Event> received;
   std::vector<Packet> passed;   ///< for drain()
@@ -110,7 +110,7 @@ class __attribute__((visibility("hidden"))) EventChannel::Impl {
   std::uint64_t rejected = 0;
 };
 
-/// Who is there, and who has been away for too long.
+/// Update which peers are connected, and drop those absent for too long.
 void EventChannel::Impl::meet() {
   met = now;
   const std::vector<PeerStatus> peers = transport.peers();
@@ -135,7 +135,7 @@ void EventChannel::Impl::meet() {
 
 void EventChannel::Impl::take(const Packet& packet) {
   const auto at = ranges::lower_bound(others, packet.from, &Other::id);
-  if (at == others.end() || at->id != packet.from) return;  // it is not there any more
+  if (at == others.end() || at->id != packet.from) return;  // it has left
   const auto message = decode_event(packet.bytes);
   if (!message) {
     ++rejected;
@@ -155,9 +155,10 @@ void EventChannel::Impl::take(const Packet& packet) {
 
 void EventChannel::Impl::take_event(const EventMessage& message, const Packet& packet,
                                     Other& from) {
-  if (!from.budget.fill(now)) return;  // it will say so again
+  if (!from.budget.fill(now)) return;  // the sender will repeat it
   from.budget.spend(static_cast<double>(packet.bytes.size() + kOverhead));
-  if (message.epoch != from.heard_epoch) {  // it has started anew, or has given up on this one
+  if (message.epoch != from.heard_epoch) {  // the sender restarted, or dropped its list for this
+                                            // peer
     from.heard_epoch = message.epoch;
     from.next = message.first;
   }
@@ -213,7 +214,7 @@ void EventChannel::Impl::send_due(Other& to) {
   if (to.posted == to.first) {
     to.progress = now;
   } else if (now - to.progress > std::max(to_ns(options.resend), kLateTrips * to.round_trip)) {
-    to.posted = to.first;  // all from there on, in order
+    to.posted = to.first;  // go back: all from there on again, in order
     to.progress = now;
   }
   std::size_t on_its_way = 0;

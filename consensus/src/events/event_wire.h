@@ -13,12 +13,12 @@
 
 namespace tandem::consensus {
 
-// What an event channel sends, little-endian:
+// Packets of an event channel, little-endian:
 //   u16 magic, u8 version, u8 kind, i64 epoch, u64 number, then
 //   kind 1, an event:   u64 first, i64 stamp, u8 length, topic, payload to the end
-//   kind 2, acknowledgement: nothing; `number` is the event that is waited for
+//   kind 2, acknowledgement: nothing; `number` is the next expected event
 // An epoch is the sender's list for one receiver, named by the session time at which it was begun;
-// numbers count its events from 0, `first` is the lowest that is still kept.
+// numbers count its events from 0, `first` is the lowest one still kept.
 
 inline constexpr std::uint16_t kEventMagic = 0x5645;  // "EV" on the wire
 inline constexpr std::uint8_t kEventVersion = 1;
@@ -30,17 +30,17 @@ struct EventMessage {
   Kind kind = Kind::Event;
   SessionTime epoch = 0;
   std::uint64_t number = 0;
-  // Of events alone.
+  // Events only.
   std::uint64_t first = 0;
   SessionTime stamp = 0;
   std::string_view topic;
   std::span<const std::byte> payload;
 };
 
-/// Whether a packet is one of an event channel, readable or not.
+/// Whether a packet belongs to an event channel, readable or not.
 bool is_event_packet(std::span<const std::byte> packet);
 void encode(const EventMessage& message, std::vector<std::byte>& out);
-/// Topic and payload point into the packet. Nothing where it cannot be read.
+/// Topic and payload point into the packet. nullopt if it cannot be decoded.
 std::optional<EventMessage> decode_event(std::span<const std::byte> packet);
 
 }  // namespace tandem::consensus

@@ -51,7 +51,7 @@ void Activity::mark_acting() {
   mark_noted_contacts();
   if (world.contacts() == nullptr) return;
   for (const pbd::Contact& contact : world.contacts()->contacts()) {
-    // Of the whole step: what bounced has left in the last substep.
+    // Over the whole step: a bounce is over by the last substep.
     if (!(contact.impulse > 0.0)) continue;
     const std::uint32_t a = contact.manifold.body_a;
     const std::uint32_t b = contact.manifold.body_b;
@@ -85,7 +85,7 @@ void Activity::spread_acting() {
     b = static_cast<std::uint8_t>(b | kJoinedToOther);
     return true;
   };
-  // Once up and once down is all that a chain takes.
+  // One pass each way covers a chain.
   for (bool more = true; more;) {
     more = false;
     for (auto it = joined_.begin(); it != joined_.end(); ++it) more = spread(*it) || more;
@@ -105,19 +105,19 @@ void Activity::note_grip(SharedBody& shared) const {
 void Activity::update_initiative(SharedBody& shared, std::span<const Inbox::Received> newest) {
   if (!data_.options.initiative || shared.def.owner.has_value()) return;
   const std::uint8_t acts = bits(shared.def.body.index);
-  // A newcomer has yet to take over what the others know.
+  // A newcomer has not yet taken over the others' states.
   const bool established = data_.confidence() >= 1.0;
   Initiative::Acting acting{
       .own = established && (acts & (Springs::kShared | kTouchedByOwn)) != 0,
       .other = (acts & (Springs::kRemote | kTouchedByOther | kJoinedToOther)) != 0,
       .contact = shared.coupled};
-  // A spring that only its own peer knows has a rule of its own, InfluenceOptions::held_alone.
+  // A spring that only its own peer knows is covered by InfluenceOptions::held_alone.
   if ((acts & Springs::kAlone) != 0) acting.other = true;
   double round_trip = 0.0;
   const bool hands = trust_.believes_hands(newest.size());
   for (const Inbox::Received& received : newest) {
     if (received.update.flags.owner_driven && hands) acting.other = true;
-    // Who is late does not keep the others from being heard.
+    // A late peer does not delay listening to the others.
     if (!latecomers_.is_late(received.peer)) {
       round_trip = std::max(round_trip, 2.0 * seconds(received.arrival - received.update.stamp));
     }

@@ -13,24 +13,24 @@
 namespace tandem::consensus {
 namespace {
 
-/// ns: for so long acts under one name are one, and who has an act is looked at.
+/// ns: acts under one name within this time are one act, and receipts are tracked for this long.
 constexpr SessionTime kOneAct = 1'000'000'000;
 
-/// Part of an act's change that a body has gained before the act was known here: it has followed
-/// others by then.
+/// If a body has gained this part of an act's change before the act arrived here, it has already
+/// followed others' states.
 constexpr double kFollowed = 0.2;
 
-/// m/s and rad/s: an impulse that would do more is cut to it before it is looked at any closer.
+/// m/s and rad/s: impulses are first cut to this change of speed.
 constexpr double kMaxChange = 1e5;
 
-/// `after` cut so that it is no longer than `limit`, or than `before` where that is more.
+/// `after`, shortened to `limit` or to the length of `before`, whichever is longer.
 pbd::Vec3 within(const pbd::Vec3& before, const pbd::Vec3& after, double limit) {
   const double most = std::max(limit, before.norm());
   const double length = after.norm();
   return length > most ? pbd::Vec3(after * (most / length)) : after;
 }
 
-/// The part of an impulse that changes a speed by kMaxChange at most.
+/// The fraction of an impulse that changes a speed by at most kMaxChange.
 double bearable(double change) { return change > kMaxChange ? kMaxChange / change : 1.0; }
 
 }  // namespace
@@ -48,7 +48,7 @@ bool Acts::act(const ActDef& def, SharedBody& shared, PeerId self, bool owned, S
   update.stamp = when;
   const pbd::Twist change = apply(update, shared);
   history_.note_own(body.index, world_.state(body), change, def.pose.has_value());
-  if (owned) return true;  // its states say it all
+  if (owned) return true;  // its states convey it
   if (!budget_.fill(now) || acts_.size() >= kMaxOfAll) return false;
   budget_.spend(def.pose ? kPlacing : 1.0);
   ++next_number_;
@@ -77,7 +77,7 @@ pbd::Twist Acts::apply(const ActUpdate& act, SharedBody& shared) {
   const pbd::Vec3 angular =
       bearable(props.inverse_inertia.norm() * act.angular_impulse.norm()) * act.angular_impulse;
   if (!angular.isZero(0.0)) world_.apply_angular_impulse(body, angular);
-  // Hands make nothing faster either.
+  // The limit of hands applies to acts too.
   const pbd::Twist after = within_limits(before, world_.state(body).twist);
   world_.set_twist(body, after);
   return difference(after, before);
@@ -98,7 +98,7 @@ bool Acts::receive(PeerId from, const ActUpdate& update, SharedBody& shared,
   const SessionTime taken = last_frame(now);
   const SessionTime done = std::min(update.stamp, taken);
   if (const Act* const known = find(body, from, update.number, update.name)) {
-    // Under one name it has been done here already, by somebody else: its actor has it as well.
+    // Under one name it was done here already, on account of another peer: this actor has it too.
     if (known->name == 0 || known->actor == from) return true;
     note_receipt(*known, from, done);
     marks_.push_back({body.index, false});
@@ -106,7 +106,7 @@ bool Acts::receive(PeerId from, const ActUpdate& update, SharedBody& shared,
   }
   if (!budget.admits(now) || acts_.size() >= kMaxOfAll) return false;
   budget.spend(update.pose ? kPlacing : 1.0);
-  // A newcomer has the body as those have it who have done the act.
+  // A newcomer's copy came from peers that had already done the act.
   const bool has_it = !established && shared.joined && history_.knows(body.index) &&
                       history_.since(body.index) > done;
   pbd::Twist change;
@@ -138,7 +138,7 @@ pbd::Twist Acts::take(const ActUpdate& update, SharedBody& shared, SessionTime d
   const pbd::BodyState before = world_.state(body);
   ActUpdate act = update;
   if (act.pose) {
-    // Where it has got to since, in a straight line.
+    // Extrapolated to now, in a straight line.
     const pbd::Twist twist = within_limits(before.twist, act.twist.value_or(before.twist));
     act.pose = carried({*act.pose, twist}, seconds(taken - done)).pose;
     apply(act, shared);
@@ -148,7 +148,7 @@ pbd::Twist Acts::take(const ActUpdate& update, SharedBody& shared, SessionTime d
     return difference(world_.state(body).twist, before.twist);
   }
   if (act.twist && history_.knows(body.index)) {
-    // What was added then: what it has been given since, as by gravity, it keeps.
+    // Set relative to the twist at that time: changes since, as by gravity, remain.
     const pbd::Twist then = history_.state_at(body.index, done).twist;
     act.twist->linear += before.twist.linear - then.linear;
     act.twist->angular += before.twist.angular - then.angular;
@@ -163,7 +163,7 @@ pbd::Twist Acts::take(const ActUpdate& update, SharedBody& shared, SessionTime d
                           .taken = taken,
                           .behind = {dt * change.linear, dt * change.angular, {}}};
   const auto sent = ranges::find(newest, from, &Inbox::Received::peer);
-  // Lost, and sent again, or overtaken: the body has followed states meanwhile that have it.
+  // Resent after a loss, or overtaken: the body has meanwhile followed states that include it.
   const bool told = sent != newest.end() && sent->update.stamp > done;
   if (told &&
       (sent->arrival < taken || part_gained(body, before.twist, change, done) > kFollowed)) {
@@ -186,7 +186,7 @@ void Acts::follow(pbd::BodyId body, const Inbox::Received& sent, const pbd::Body
   late.now = {now * change.linear, now * change.angular};
   late.followed = std::min(late.taken, sent.arrival);
   if (!history_.knows(body.index)) return;
-  // Less what it has moved beside its own motion since that state.
+  // Less the displacement beyond the own motion since that state.
   const pbd::BodyState old = history_.state_at(body.index, stamp);
   const double age = seconds(late.taken - stamp);
   const double dt = seconds(late.taken - late.done);
@@ -260,7 +260,7 @@ void Acts::receive(PeerId from, const ActReceipt& receipt, pbd::BodyId body) {
 }
 
 void Acts::prepare(SessionTime now) {
-  // Numbers go on from the clock (ms), as springs' do.
+  // Numbers continue from the clock (ms), as springs' do.
   if (next_number_ == 0) next_number_ = static_cast<std::uint32_t>(now / 1'000'000);
   for (ActUpdate& act : pending_) {
     if (act.stamp == 0) act.stamp = now;
@@ -295,7 +295,7 @@ void Acts::announce(std::vector<ActUpdate>& acts, std::vector<ActReceipt>& recei
 }
 
 bool Acts::lacks(const Act& act, const Inbox::Received& received, SessionTime until) const {
-  // Of before it, and nobody holds it against those.
+  // A state from before the act is not held against its sender.
   if (until <= act.done) return false;
   const auto key = [](const Receipt& receipt) { return std::pair(receipt.act, receipt.peer); };
   const auto wanted = std::pair(act.serial, received.peer);

@@ -14,26 +14,26 @@ namespace {
 using pbd::Vec3;
 using Matrix = std::array<std::array<double, 5>, 5>;
 
-// All figures: p95 apart of bodies that move at profile 5, rms of their jerk in m/s^3, four seeds
-// on which these numbers were chosen, with the own hand's velocity from a low-pass of 25 ms.
+// Figures: p95 apart of moving bodies at profile 5, and rms of their jerk in m/s^3, over the four
+// seeds used to choose these numbers, with the own hand's velocity from a low-pass of 25 ms.
 
-/// s, in which an acceleration fades. Cubes 11.6 mm, room 34, a piano with shared springs 4.3; with
+/// s, decay time of an acceleration. Cubes 11.6 mm, room 34, a piano with shared springs 4.3; with
 /// 0.6 s 10.6, 38 and 6.3, with the same jerk or more.
 constexpr double kMotionFading = 0.2;
 /// (m/s^3)^2 s, noise that drives the acceleration. Room 34 mm, 286 m/s^3; with 2 39 mm, 228 m/s^3,
 /// with 10 32 mm, 340 m/s^3.
 constexpr double kJerk = 5.0;
-/// Tremor: m rms of each coordinate, rad/s, and the damping ratio. Without it (white noise of the
-/// best size in its place) cubes that are 8 ms apart have 1.3 mm in place of 0.8, and room at
-/// profile 5 507 m/s^3 in place of 286.
+/// Tremor: m rms of each coordinate, rad/s, and the damping ratio. With white noise of the best
+/// size instead, cubes 8 ms apart have 1.3 mm in place of 0.8, and room at profile 5 507 m/s^3 in
+/// place of 286.
 constexpr double kTremor = 3e-4;
 constexpr double kTremorRate = 2.0 * std::numbers::pi * 10.0;
 constexpr double kTremorDamping = 0.15;
-/// m, resolution of a tracker: two places at almost the same time say nothing of a velocity.
+/// m, resolution of a tracker: two positions at almost the same time say nothing about velocity.
 constexpr double kResolution = 2e-5;
-/// m/s, of a hand that has just begun to hold something.
+/// m/s, of a hand that has just grabbed something.
 constexpr double kFirstSpeed = 1.0;
-/// s: after a longer silence nothing is left of a motion.
+/// s: after a longer silence the motion begins anew.
 constexpr double kSilence = 0.3;
 
 constexpr double squared(double x) { return x * x; }
@@ -46,9 +46,9 @@ struct Transition {
         way(squared(kMotionFading) * (fade - 1.0 + h / kMotionFading)),
         dt(h) {}
 
-  double fade;   ///< of an acceleration
-  double speed;  ///< s, that it adds to the velocity
-  double way;    ///< s^2, that it adds to the position
+  double fade;   ///< decay of an acceleration
+  double speed;  ///< s, its effect on the velocity
+  double way;    ///< s^2, its effect on the position
   double dt;     ///< s
 };
 
@@ -80,14 +80,14 @@ Matrix propagated(const Matrix& f, const Matrix& p, double h) {
       for (std::size_t k = 0; k < 5; ++k) out[i][j] += fp[i][k] * f[j][k];
     }
   }
-  // White noise on the derivative of the acceleration, which fades little within h.
+  // White noise on the derivative of the acceleration, whose decay within h is neglected.
   out[0][0] += kJerk * h * h * h * h * h / 20.0;
   out[1][0] += kJerk * h * h * h * h / 8.0;
   out[2][0] += kJerk * h * h * h / 6.0;
   out[1][1] += kJerk * h * h * h / 3.0;
   out[2][1] += kJerk * h * h / 2.0;
   out[2][2] += kJerk * h;
-  // What keeps the tremor as large as it is: S - F S F^T, S = diag(place, rate).
+  // Process noise that keeps the tremor stationary: S - F S F^T, S = diag(place, rate).
   const double place = squared(kTremor);
   const double rate = place * squared(kTremorRate);
   for (std::size_t i = 3; i < 5; ++i) {
@@ -112,7 +112,7 @@ HandFilter::Motion HandFilter::Motion::after(double dt) const {
 
 HandFilter::HandFilter(const Vec3& position, const Vec3& velocity)
     : motion_{position, velocity, Vec3::Zero()} {
-  // Motion and tremor together are where the hand is.
+  // The sum of motion and tremor is known exactly.
   const double tremor = squared(kTremor);
   covariance_[0][0] = covariance_[3][3] = tremor;
   covariance_[0][3] = covariance_[3][0] = -tremor;
@@ -133,7 +133,7 @@ void HandFilter::add(double dt, const Vec3& position, const Vec3& velocity) {
   motion_ = motion_.after(dt);
   tremor_ = {f[3][3] * tremor_[0] + f[3][4] * tremor_[1],
              f[4][3] * tremor_[0] + f[4][4] * tremor_[1]};
-  // Position and tremor are measured as a sum.
+  // The sum of position and tremor is measured.
   std::array<double, 5> gain = {};
   for (std::size_t i = 0; i < 5; ++i) gain[i] = p[i][0] + p[i][3];
   const double innovation = gain[0] + gain[3] + squared(kResolution);

@@ -8,9 +8,9 @@
 
 namespace tandem::consensus {
 
-/// Where a user's hand is going, apart from its tremor: a Kalman filter of places that are known
-/// exactly. A place is a motion plus tremor. The motion's acceleration comes and goes within 0.2 s
-/// [singer1970]; tremor is a damped oscillation at 10 Hz that noise keeps going.
+/// A user's hand motion separated from tremor: a Kalman filter of positions that are known exactly
+/// and are the sum of motion and tremor. The motion's acceleration decays within 0.2 s
+/// [singer1970]; tremor is a damped oscillation at 10 Hz driven by noise.
 class HandFilter {
  public:
   struct Motion {
@@ -18,23 +18,23 @@ class HandFilter {
     pbd::Vec3 velocity = pbd::Vec3::Zero();      ///< m/s
     pbd::Vec3 acceleration = pbd::Vec3::Zero();  ///< m/s^2
 
-    /// @param dt  s, >= 0. What is expected then: the acceleration fades.
+    /// @param dt  s, >= 0. The motion expected then: the acceleration decays.
     Motion after(double dt) const;
   };
 
   HandFilter() = default;
-  /// A motion that begins.
+  /// Begins a motion.
   HandFilter(const pbd::Vec3& position, const pbd::Vec3& velocity);
 
-  /// @param dt  s since the last place. A clock that went back or stood begins a motion anew, and a
-  ///            silence of more than 0.3 s does.
-  /// @param velocity  m/s, of a motion that begins
+  /// @param dt  s since the last position. A motion begins anew if the clock went back or stood
+  /// still, or after 0.3 s of silence.
+  /// @param velocity  m/s, used if a motion begins
   void add(double dt, const pbd::Vec3& position, const pbd::Vec3& velocity);
   const Motion& motion() const { return motion_; }
 
  private:
-  /// Of one axis: position, velocity, acceleration, tremor (m) and its rate (m/s). The axes share
-  /// it, as it depends on the times alone.
+  /// For one axis: position, velocity, acceleration, tremor (m) and its rate (m/s). All axes share
+  /// it, as it depends on times alone.
   using Covariance = std::array<std::array<double, 5>, 5>;
 
   Motion motion_;

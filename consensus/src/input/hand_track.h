@@ -11,24 +11,24 @@
 
 namespace tandem::consensus {
 
-/// Where a user's hand was, as it was told, and where it may go from there.
+/// A user's hand as announced: its past positions, and its extrapolation.
 class HandTrack {
  public:
-  /// A hand at one time.
+  /// Hand at one time.
   struct Place {
     pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, world
     pbd::Vec3 velocity = pbd::Vec3::Zero();  ///< m/s
   };
 
   void clear() { count_ = 0; }
-  /// @param velocity  m/s, as it was told: of that time, and where a motion begins
+  /// @param velocity  m/s, as announced: of that time, and used if a motion begins
   void add(SessionTime stamp, const pbd::Vec3& position, const pbd::Vec3& velocity);
   bool empty() const { return count_ == 0; }
-  /// ns, of what was told last.
+  /// ns, of the last announcement.
   SessionTime newest() const { return sample(0).stamp; }
-  /// At newest(): what is carried on from there.
+  /// At newest(), to be extrapolated from there.
   const HandFilter::Motion& motion() const { return filter_.motion(); }
-  /// At an earlier time, between what was told; before all of it as at first.
+  /// At an earlier time, interpolated between announcements; the first one before all of them.
   Place at(SessionTime time) const;
 
  private:
@@ -38,7 +38,7 @@ class HandTrack {
   };
   static constexpr std::size_t kMaxSamples = 16;
 
-  /// By age, 0 = the newest.
+  /// By age; 0 = the newest.
   const Sample& sample(std::size_t age) const {
     return samples_[(end_ + kMaxSamples - 1 - age) % kMaxSamples];
   }

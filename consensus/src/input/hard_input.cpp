@@ -12,7 +12,7 @@ namespace {
 
 /// s: time constant of the low-pass on a dragged body's velocity.
 constexpr double kVelocityFilter = 0.025;
-constexpr int kSweeps = 10;  ///< a sweep over two hands leaves about a third of the error
+constexpr int kSweeps = 10;  ///< a sweep over two hands reduces the error to about a third
 
 }  // namespace
 
@@ -52,7 +52,7 @@ bool HardInputs::drag(SharedBody& shared, std::vector<PeerEstimate>& others) {
   if (!hard.active) {
     hard.own.twist = {};
   } else if (data_.step_dt > 0.0) {
-    // `last` is where the hand was going to be by now: what it missed is a change of velocity.
+    // `last` is the extrapolated position for now: the difference to it is a change of velocity.
     const double part = 1.0 - pbd::portable::exp(-data_.step_dt / kVelocityFilter);
     hard.own.twist.linear += part / data_.step_dt * (hard.own.pose.position - last.pose.position);
     hard.own.twist.angular +=

@@ -22,19 +22,19 @@ struct HardInput {
 };
 
 /// The pose nearest to `pose` in the body's mass metric that brings the attachments to the hands:
-/// one hand moves and swings a body, two turn it. As it is where the body is not dynamic.
+/// one hand moves and swings a body, two turn it. `pose` itself if the body is not dynamic.
 pbd::Pose dragged(const pbd::BodyProps& props, const pbd::Pose& pose,
                   std::span<const Springs::Hand> hands);
 
-/// What this peer's user does to bodies in hard mode.
+/// This peer's bodies in hard mode.
 class HardInputs {
  public:
   explicit HardInputs(PeerData& data) : data_(data) {}
 
-  /// Before a step. @param others  of these those of users are left
-  /// @return whether it is so
+  /// Call before a step. @param others  reduced to the states of users
+  /// @return whether the body is in this user's hands
   bool drag(SharedBody& shared, std::vector<PeerEstimate>& others);
-  /// After a step of `dt` s, whatever that has made of the body: physics has no say, [friston]
+  /// After a step of `dt` s, undo its effect on the body: physics does not act on it, [friston]
   /// Fig. 2.
   void carry_on(SharedBody& shared, double dt);
 

@@ -10,12 +10,13 @@
 namespace tandem::consensus {
 namespace {
 
-/// s: what followers need, once the news is there, to come close enough to be listened to. At a
-/// third of it tests/consensus/initiative_test.cpp fails: who has come to rest is not drawn along.
+/// s: time that followers need, once they have the news, to come close enough to be listened to. At
+/// a third of it tests/consensus/initiative_test.cpp fails: a leader that has come to rest is not
+/// pulled away.
 constexpr double kSettling = 0.15;
-/// s: over which the leader begins to listen again.
+/// s, over which the leader begins to listen again.
 constexpr double kFading = 0.15;
-/// Who leads one body, as others say; a transport connects no more peers than that.
+/// Peers that claim to lead one body; a transport connects no more peers than that.
 constexpr std::size_t kMaxOthers = 1024;
 
 }  // namespace
@@ -33,7 +34,7 @@ void Initiative::update(const Acting& acting, double round_trip, SessionTime now
     return;
   }
   if (acted_ == 0) return;
-  // In flight nothing happens that the followers did not hear of: without this a throw is held back
+  // In flight a body does what the followers know: without this a throw is held back
   // (tests/consensus/initiative_test.cpp).
   flies_ = flies_ && !acting.contact;
   if (flies_) until_ = std::max(until_, now);
@@ -49,12 +50,12 @@ void Initiative::hear(PeerId peer, bool leads, SessionTime stamp) {
   }
   const SessionTime since = it != others_.end() ? it->second : stamp;
   if (it == others_.end()) {
-    // Who is gone says no more that it does not lead.
+    // A peer that has left never withdraws its claim.
     if (others_.size() >= kMaxOthers) others_.erase(others_.begin());
     others_.emplace_back(peer, stamp);
   }
-  // The later one knows of the earlier. Two of the same moment may both give way, never neither:
-  // each is heard a little after it acted.
+  // The later leader knows of the earlier one. Of two that acted at the same moment both may give
+  // way, but never neither: each hears of the other a little after it acted.
   if (acted_ != 0 && since > acted_) end();
 }
 

@@ -11,7 +11,7 @@
 
 namespace tandem::consensus {
 
-/// How strong some springs are together, or what is left of it.
+/// Sum of the strengths of some springs, or the fractions left of it.
 struct SpringStrength {
   double force = 0.0;
   double stiffness = 0.0;
@@ -24,10 +24,10 @@ struct SpringStrength {
   }
 };
 
-/// How strong users' springs may be, own ones as well: all peers must simulate the same.
+/// Limits on users' springs, own ones included: all peers must simulate the same.
 class SpringLimits {
  public:
-  // The first three of each spring, and of all that one user has on one body together.
+  // The first three apply to each spring, and to the sum of one user's springs on one body.
   static constexpr double kMaxPull = 1000.0;      ///< m/s^2: force over the mass of the body
   static constexpr double kMaxStiffness = 1e5;    ///< 1/s^2: stiffness over the mass of the body
   static constexpr double kMaxDamping = 2000.0;   ///< 1/s: damping over the mass of the body
@@ -36,7 +36,7 @@ class SpringLimits {
   SpringLimits(const pbd::World& world, const RobustOptions& options)
       : world_(world), options_(options) {}
 
-  /// Cut a spring by itself. @return whether anything was
+  /// Limit one spring. @return whether it was changed
   bool limit(pbd::Tether::Def& def) const {
     const double mass = mass_of(def.body);
     const pbd::Tether::Def asked = def;
@@ -45,7 +45,7 @@ class SpringLimits {
     def.stiffness = std::min(def.stiffness, kMaxStiffness * mass);
     def.damping = std::min(def.damping, kMaxDamping * mass);
     def.max_force = std::min(def.max_force, kMaxPull * mass);
-    // A force that is never reached is no limit worth telling of.
+    // A cut of max_force alone is not reported: the force may never be so large.
     return speed > kMaxHandSpeed || def.stiffness < asked.stiffness || def.damping < asked.damping;
   }
   bool too_far(const pbd::Tether::Def& def) const {
@@ -53,10 +53,10 @@ class SpringLimits {
     const pbd::Vec3 held = pose.position + pose.orientation * def.anchor_l;
     return !((def.anchor_w - held).squaredNorm() <= options_.max_reach * options_.max_reach);
   }
-  /// Leave a spring the force that in a step of `dt` s makes what it holds no faster than it may,
-  /// or than it is; it is one of `count` of its user's on the body. A bound of the force alone
-  /// bounds nothing: 1 kN on 1 kg for 0.5 s are 330 m/s.
-  /// @param world  in which the body is, here or in a replay
+  /// Limit the force so that a step of `dt` s makes the body no faster than allowed, or than it is;
+  /// the spring is one of `count` of its user on the body. A limit on the force alone is not
+  /// enough: 1 kN on 1 kg for 0.5 s give 330 m/s.
+  /// @param world  the world with the body, here or in a replay
   void slow(const pbd::World& world, double dt, int count, pbd::Tether::Def& def) const {
     const pbd::BodyState& state = world.state(def.body);
     const pbd::Vec3 arm = state.pose.orientation * def.anchor_l;
@@ -67,16 +67,16 @@ class SpringLimits {
     if (!(strength > 0.0)) return;
     const double along = v.dot(pull) / strength;
     const double most = options_.max_pull_speed;
-    // |v + more pull / strength| is `most` then, or |v| where that is more.
+    // With it |v + more pull / strength| is `most`, or |v| if that is larger.
     const double more =
         std::sqrt(along * along + std::max(0.0, most * most - v.squaredNorm())) - along;
-    constexpr double kNone = 1e-9;      // N: a tether's force is above 0
+    constexpr double kNone = 1e-9;      // N: a tether's force must be above 0
     constexpr double kShortest = 1e-3;  // s
     const double force = mass_of(def.body) * more / (std::max(1, count) * std::max(dt, kShortest));
     def.max_force = std::max(kNone, std::min(def.max_force, force));
   }
-  /// What is left of each where one user has all of these on one body, as they are limited each by
-  /// itself.
+  /// The fractions left for each of one user's springs on a body. `sum` is over springs that were
+  /// limited one by one.
   SpringStrength share_of(pbd::BodyId body, const SpringStrength& sum) const {
     const double mass = mass_of(body);
     const auto part = [mass](double limit, double asked) {
@@ -93,7 +93,7 @@ class SpringLimits {
   }
 
  private:
-  /// What is light is as a rule part of something that is not.
+  /// At least 1 kg: a light body is usually part of a heavier one.
   double mass_of(pbd::BodyId body) const { return std::max(world_.props(body).mass, 1.0); }
 
   const pbd::World& world_;

@@ -15,20 +15,20 @@
 namespace tandem::consensus {
 namespace {
 
-/// ns: a removed spring is remembered this long against late messages.
+/// ns: a removed spring is remembered for this long, against late messages.
 constexpr SessionTime kTombstone = 5'000'000'000;
 
-/// ns: what was heard so far ahead of now was heard before the clock was set back.
+/// ns: a message heard this far ahead of now was heard before the clock was set back.
 constexpr SessionTime kSetBack = 500'000'000;
 
-/// s: a hand that was not moved for longer stands still.
+/// s: a hand without a move for longer stands still.
 constexpr double kStill = 0.05;
 
 std::uint32_t first_id(SessionTime now) {
   return std::max(1U, static_cast<std::uint32_t>(now / 1'000'000));
 }
 
-/// Of springs by number; null where there is none.
+/// By number; null if there is none.
 template <class Own>
 auto find_own(Own& springs, GrabId id) -> decltype(springs.data()) {
   const auto it =
@@ -58,13 +58,13 @@ Springs::~Springs() {
   try {
     world_.remove_block(tethers_);
   } catch (const std::invalid_argument&) {
-    // The world was moved or assigned to, and its blocks are somewhere else or gone.
+    // The world was moved or assigned to: its blocks are elsewhere or gone.
   }
 }
 
 GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
   auto place = own_.end();
-  // The numbers wrap: zero is nobody's, and one that is still in use is not given twice.
+  // The numbers wrap around: skip zero and those in use.
   for (;; ++next_) {
     if (next_ == 0) next_ = 1;
     place = ranges::lower_bound(own_, next_, &Own::spring);
@@ -83,7 +83,7 @@ GrabId Springs::grab(const GrabDef& def, pbd::BodyId body) {
                             .stiffness = def.stiffness,
                             .damping = def.damping,
                             .max_force = def.max_force};
-    limits_.limit(wanted);  // as the others do
+    limits_.limit(wanted);  // as the other peers do
     tether = tethers_.add(world_, wanted);
     limited = wanted;
   }
@@ -106,7 +106,7 @@ bool Springs::holds(GrabId id) const {
 void Springs::move(GrabId id, const pbd::Vec3& anchor_w, SessionTime now) {
   Own& own = own_spring(own_, id);
   pbd::detail::require_finite(anchor_w, "Peer::move", "anchor_w");
-  // Of several places at one time the filter hears the first.
+  // If several positions have one time, the filter takes the first.
   if (now != own.moved) own.hand.add(seconds(now - own.moved), anchor_w, pbd::Vec3::Zero());
   own.def.anchor_w = anchor_w;
   own.moved = now;
@@ -141,7 +141,7 @@ void Springs::let_go(Remote& remote, SessionTime when) {
 }
 
 bool Springs::make_room(PeerId from) {
-  // Of one peer's, what was let go longest ago.
+  // Of one peer's springs, the one released longest ago.
   const auto forget_let_go = [this](std::span<Remote> all) {
     const auto oldest =
         std::min_element(all.begin(), all.end(), [](const Remote& a, const Remote& b) {
@@ -153,7 +153,8 @@ bool Springs::make_room(PeerId from) {
   };
   if (of(from).size() >= kMaxPerPeer) return forget_let_go(of(from));
   if (remote_.size() < kMaxOfAll) return true;
-  // Sorted by peer: the longest run. Of that peer what is let go already, then the oldest number.
+  // The peer with most springs loses one: a released one first, then the lowest number. Sorted by
+  // peer: it is the longest run.
   std::span<Remote> longest;
   for (std::size_t i = 0; i < remote_.size();) {
     const std::span<Remote> run = of(remote_[i].peer);
@@ -204,9 +205,9 @@ Springs::Verdict Springs::receive(PeerId from, const SpringUpdate& update, pbd::
   auto it = place_of(from, update.spring);
   const bool known = it != remote_.end() && it->peer == from && it->last.spring == update.spring;
   if (known) {
-    // Nothing goes back. A removal has a revision of its own, so that what follows late is told
-    // from a spring that was let go for the silence of its peer, which now goes on. Only a creation
-    // later than all that was heard is another spring, of a successor under the same peer's id.
+    // Revisions do not go back. A removal has its own revision, so a late message after it is told
+    // from one for a spring that was released because its peer was silent, and goes on now. Only a
+    // creation later than everything heard is a new spring, of a successor under the same peer id.
     const bool later = update.stamp > it->last.stamp;
     const bool successor = later && update.event == SpringEvent::Create;
     if (update.revision < it->last.revision && !successor) return Verdict::Taken;
@@ -260,7 +261,7 @@ void Springs::drop_peer(PeerId from, SessionTime now) {
   for (Remote& remote : remote_) {
     if (remote.peer != from) continue;
     let_go(remote, now);
-    // Remembered, above all revisions: messages that were overtaken by the farewell revive nothing.
+    // Remembered with the highest revision: messages overtaken by the farewell must not revive it.
     remote.last.revision = std::numeric_limits<std::uint32_t>::max();
     remote.last.stamp = std::max(remote.last.stamp, now);
     remote.heard = now;
@@ -279,8 +280,8 @@ void Springs::forget_body(pbd::BodyId body, SessionTime now) {
 }
 
 void Springs::prepare(SessionTime now, double dt) {
-  // Ids go on from the clock (ms), so that a peer that was started again is not taken for its
-  // predecessor, whose springs the others still remember.
+  // Numbers continue from the clock (ms): a restarted peer is not taken for its predecessor, whose
+  // springs the others still remember.
   if (next_ == 0) next_ = first_id(now);
   const auto timeout = static_cast<SessionTime>(options_.spring_timeout / kNs);
   for (Remote& remote : remote_) {
@@ -291,7 +292,7 @@ void Springs::prepare(SessionTime now, double dt) {
     limits_.slow(world_, dt, remote.together, def);
     tethers_.set(world_, remote.tether, def);
   }
-  // Who still holds something is heard with its next update.
+  // A spring that is still held returns with its next update.
   std::erase_if(remote_, [&](const Remote& r) {
     return !r.live && (now - r.heard > kTombstone || r.heard - now > kSetBack);
   });
@@ -299,7 +300,7 @@ void Springs::prepare(SessionTime now, double dt) {
     if (!tethers_.contains(own.tether)) continue;
     double since = own.moved != 0 ? seconds(now - own.moved) : 0.0;
     if (since > kStill) {
-      // The others must hear that it stands, and that it still holds.
+      // The others must learn that the hand stands still and holds on.
       own.hand = HandFilter(own.def.anchor_w, pbd::Vec3::Zero());
       own.moved = now;
       since = 0.0;
@@ -316,7 +317,7 @@ void Springs::prepare(SessionTime now, double dt) {
       ++count;
     }
     SpringLimits::apply(limits_.share_of(own.body, sum), def);
-    // Between two moves it goes on by its velocity.
+    // Extrapolated by its velocity between two moves.
     def.anchor_w = own.def.anchor_w + std::max(since, 0.0) * own.velocity();
     def.anchor_velocity = own.velocity();
     limits_.slow(world_, dt, count, def);
@@ -342,7 +343,7 @@ void Springs::carry_on(const HandFilter::Motion& hand, double age, pbd::Tether::
   const HandFilter::Motion then = hand.after(std::min(age, options_.max_anchor_extrapolation));
   def.anchor_w = then.position;
   def.anchor_velocity = then.velocity;
-  // Beyond the limit the anchor stands still: a lost user's hand does not fly away.
+  // Beyond the limit the anchor stands still: the hand of a lost user must not fly away.
   if (age >= options_.max_anchor_extrapolation) def.anchor_velocity.setZero();
 }
 

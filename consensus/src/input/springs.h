@@ -15,20 +15,20 @@
 
 namespace tandem::consensus {
 
-/// All users' springs on one peer's world: its own, which it announces, and the others', which it
-/// carries on from their last message. Each is a tether of the world.
+/// All users' springs on one peer's world, each a tether: its own, which it announces, and the
+/// others', extrapolated from their last message.
 class Springs {
  public:
-  /// One peer can keep no more than this alive here; further ones are refused. Ten fingers that
-  /// each hold a pose by three points, twice; a page of the demos takes eight. 64 that are
-  /// 100 ms late cost a step of 64 bodies 0.6 ms, 256 2.1 (member_budget_test, [.measure]).
+  /// Live springs accepted from one peer; further ones are refused. It covers ten fingers that each
+  /// hold a pose by three points, twice; a page of the demos takes eight. 64 that are 100 ms late
+  /// cost a step of 64 bodies 0.6 ms, 256 2.1 (member_budget_test, [.measure]).
   static constexpr std::size_t kMaxPerPeer = 64;
-  /// And all of them; who has most gives one up for who has fewer.
+  /// Springs of all peers; at the limit the peer with most loses one to a peer with fewer.
   static constexpr std::size_t kMaxOfAll = 1024;
 
   Springs(pbd::World& world, const PeerOptions& options);
-  /// Nothing pulls any more, and the world has the blocks again that it had before: snapshots from
-  /// then fit it, and it may get another peer.
+  /// Removes all springs and their block: the world's earlier snapshots fit again, and it may get
+  /// another peer.
   ~Springs();
   Springs(const Springs&) = delete;
   Springs& operator=(const Springs&) = delete;
@@ -39,58 +39,58 @@ class Springs {
 
   enum class Verdict : std::uint8_t {
     Taken,
-    Limited,  ///< taken, with less strength or speed than it asks for
+    Limited,  ///< accepted with reduced strength or speed
     Refused,
   };
-  /// Apply another peer's message. `body` is the local instance of update.body; where there is none
-  /// the spring is remembered, and pulls from the first anchor on that comes once there is one.
+  /// Apply another peer's message. `body` is the local instance of update.body. Without one the
+  /// spring is remembered, and pulls from the first anchor after the instance appears.
   Verdict receive(PeerId from, const SpringUpdate& update, pbd::BodyId body, SessionTime now);
-  /// What another peer last said of a spring; null where nothing is known of it.
+  /// A peer's last message about a spring; null if there is none.
   const SpringUpdate* last_of(PeerId from, std::uint32_t spring);
-  /// Let go what a peer holds, for good.
+  /// Release a peer's springs for good.
   void drop_peer(PeerId from, SessionTime now);
-  /// Let go all springs on a body.
+  /// Release all springs on a body.
   void forget_body(pbd::BodyId body, SessionTime now);
-  /// Let go what has not been heard of for too long, or was before the clock was set back, and set
-  /// all anchors for a step from `now` on.
+  /// Release springs not heard of for too long, or heard before the clock was set back, and set all
+  /// anchors for a step from `now` on.
   /// @param dt  s, of that step
   void prepare(SessionTime now, double dt);
 
-  /// Own springs as they are at `now`, and events not announced yet (which are then taken as such).
+  /// Own springs as they are at `now`, and events not announced yet, which then count as announced.
   void announce(SessionTime now, std::vector<SpringUpdate>& states,
                 std::vector<SpringUpdate>& events);
 
-  /// All that pull, own and remote, as they do in the step to come; appended.
+  /// All springs that pull, own and remote, as in the step to come; appended.
   void pulls(std::vector<pbd::Tether::Def>& out) const;
-  /// Own ones as they do in the step to come.
+  /// Own springs as in the step to come.
   void record(std::vector<Pull>& out) const;
-  /// The others' as they pulled in the step of `dt` s from `time` on, by all that is known of them
+  /// The others' springs as they pulled in the step of `dt` s from `time` on, by all that is known
   /// now; appended. @param world  as it was then
   void others_at(const pbd::World& world, SessionTime time, double dt,
                  std::vector<pbd::Tether::Def>& out) const;
-  /// Put the anchor of `def` where a hand is taken to be `age` s after `hand` was told.
+  /// Extrapolate the anchor of `def` to `age` s after `hand`.
   void carry_on(const HandFilter::Motion& hand, double age, pbd::Tether::Def& def) const;
   const pbd::Tethers& block() const { return tethers_; }
   /// All rows of block(); appended.
   void rows(std::vector<pbd::ConstraintId>& out) const;
   bool holds(pbd::BodyId body) const;
-  /// Whether that own spring is there, and its body.
+  /// Whether an own spring and its body exist.
   bool holds(GrabId id) const;
-  /// How users hold a body, as bits.
+  /// How users hold a body, bits.
   enum Grip : std::uint8_t {
-    kShared = 1,  ///< by an own spring that all peers simulate
-    kAlone = 2,   ///< by another own one
-    kRemote = 4,  ///< by another user's
+    kShared = 1,  ///< an own spring that all peers simulate
+    kAlone = 2,   ///< an own spring that only this peer simulates
+    kRemote = 4,  ///< another user's spring
   };
-  /// What all users hold, own ones as of `self`; appended.
+  /// Bodies held by all users, own ones as of `self`; appended.
   void held(PeerId self, std::vector<HeldBody>& out) const;
-  /// Set those bits of all bodies that somebody holds; by slot.
+  /// Set these bits for all held bodies; by slot.
   void mark(std::vector<std::uint8_t>& grips) const;
-  /// How many springs of that peer's user hold the body.
+  /// Number of that peer's springs on the body.
   int held_by(PeerId peer, pbd::BodyId body);
-  /// Whether an own spring that no other peer simulates holds the body.
+  /// Whether an own spring that only this peer simulates holds the body.
   bool holds_alone(pbd::BodyId body) const;
-  /// An own spring's hand in hard mode.
+  /// Hand of an own spring in hard mode.
   struct Hand {
     pbd::Vec3 attachment_l;
     pbd::Vec3 anchor_w;  ///< m, world
@@ -106,8 +106,8 @@ class Springs {
     pbd::BodyId body = {};
     InputMode mode = InputMode::Soft;
     pbd::ConstraintId tether = {};  ///< none in hard mode
-    pbd::Tether::Def limited = {};  ///< its strength by itself
-    SessionTime moved = 0;          ///< ns, of the anchor; 0 = never
+    pbd::Tether::Def limited = {};  ///< limited by itself
+    SessionTime moved = 0;          ///< ns, of the last move; 0 = never
     HandFilter hand = {};
     HandTrack told = {};
     bool announced = false;
@@ -119,32 +119,33 @@ class Springs {
     PeerId peer = 0;
     SpringUpdate last = {};
     SessionTime began = 0;  ///< ns, stamp of the first message
-    SessionTime ended = 0;  ///< ns, once it is let go: since then it does not pull
+    SessionTime ended = 0;  ///< ns, when it was released
     SessionTime heard = 0;
     pbd::ConstraintId tether = {};
     HandTrack hand = {};
-    pbd::Tether::Def def = {};  ///< of the last message, as it was limited
-    /// What is left of def's force, stiffness and damping, where its user has more springs on the
-    /// body than the limits bear together.
+    pbd::Tether::Def def = {};  ///< of the last message, limited by itself
+    /// Fractions left of def's force, stiffness and damping if its user's springs on the body
+    /// exceed the limits together.
     SpringStrength share{.force = 1.0, .stiffness = 1.0, .damping = 1.0};
-    int together = 1;   ///< of its user on the body, while it pulled last
-    bool live = false;  ///< false: removed, kept a while so that late messages do not revive it
+    int together = 1;   ///< springs of its user on the body, when it last pulled
+    bool live = false;  ///< false: removed; kept against late messages
   };
 
   std::vector<Remote>::iterator place_of(PeerId peer, std::uint32_t spring);
-  /// All that is known of that peer's; valid until one comes or goes.
+  /// All remembered springs of that peer; valid until one is added or removed.
   std::span<Remote> of(PeerId peer);
   bool holds(const Own& own) const {
     return own.mode == InputMode::Hard || tethers_.contains(own.tether);
   }
-  /// Whether it has a row: none where it was let go, or its body is gone.
+  /// Whether it has a tether: not after its release, or if its body is gone.
   bool pulls(const Remote& remote) const { return remote.live && tethers_.contains(remote.tether); }
   void let_go(Remote& remote, SessionTime when);
-  /// Make a place in remote_ for one more of that peer's, of its own or of who has most.
+  /// Make a place in remote_ for a spring of that peer, at its own cost or that of the peer with
+  /// most.
   /// @return whether there is one
   bool make_room(PeerId from);
   pbd::Tether::Def pull_at(const Remote& remote, SessionTime time) const;
-  /// After one of that peer's springs on the body has come, changed or gone.
+  /// Update the shares of a peer's springs on the body after one was added, changed or removed.
   void share_out(PeerId from, pbd::BodyId body);
 
   pbd::World& world_;

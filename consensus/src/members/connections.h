@@ -13,26 +13,26 @@
 
 namespace tandem::consensus {
 
-/// Bytes of the longest packet that decode() takes and the transport does.
+/// Bytes of the longest packet that decode() and the transport accept.
 inline std::size_t packet_limit(const Transport& transport, Delivery delivery) {
   return std::min(kMaxPacketBytes, transport.max_packet_bytes(delivery));
 }
 
-/// Who is there, and the way to them.
+/// Who is connected, and packets to them.
 class Connections {
  public:
   static constexpr PeerId kToAll = 0;
 
   Connections(Transport& transport, PeerStats& stats) : transport_(transport), stats_(stats) {}
 
-  /// Ask the transport who is there.
+  /// Ask the transport who is connected.
   void refresh() {
     transport_.list_peers(peers_);
     std::erase_if(newcomers_, [this](PeerId id) {
       return !ranges::any_of(
           peers_, [id](const PeerStatus& peer) { return peer.id == id && peer.connected; });
     });
-    // Whoever comes back says its indices again.
+    // A peer that reconnects sends its indices again.
     std::erase_if(connected_, [this](PeerId id) {
       const auto at = ranges::lower_bound(peers_, id, &PeerStatus::id);
       if (at != peers_.end() && at->id == id && at->connected) return false;
@@ -43,37 +43,36 @@ class Connections {
       const auto at = std::lower_bound(connected_.begin(), connected_.end(), peer.id);
       const bool known = at != connected_.end() && *at == peer.id;
       if (peer.connected && !known) {
-        // Who was there before the first states were sent hears those.
+        // Peers present before the first states were sent receive those.
         if (has_sent_) newcomers_.push_back(peer.id);
         connected_.insert(at, peer.id);
       }
     }
   }
-  /// All that the transport knows, by id, as of the last refresh().
+  /// All peers known to the transport, by id, as of the last refresh().
   std::span<const PeerStatus> peers() const { return peers_; }
-  /// Of these, ascending.
+  /// Those connected, ascending.
   std::span<const PeerId> connected() const { return connected_; }
-  /// Of these, who came after the first states had been sent, and is to be told everything.
+  /// Those that connected after the first states had been sent, and need the full state.
   std::span<const PeerId> newcomers() const { return newcomers_; }
-  /// They have been.
+  /// The newcomers have been sent the full state.
   void greeted() { newcomers_.clear(), has_sent_ = true; }
 
-  /// What the others call their bodies; kept for those who are connected.
+  /// The other peers' indices of bodies; kept for those connected.
   IndexTables& indices() { return indices_; }
 
-  /// Encode one message and post it, to everybody where `to` is kToAll.
+  /// Encode one message and post it; to all peers if `to` is kToAll.
   template <class Message>
   void post(PeerId to, const Message& message, Delivery delivery) {
     packet_.clear();
     encode(message, packet_);
     post_packet(to, delivery);
   }
-  /// The same of any number of records, in packets that the transport takes.
+  /// Post any number of records, in packets that the transport accepts.
   /// @return bytes of all packets, with `overhead` for each
   template <class Record>
   double post_records(PeerId to, std::span<const Record> records, std::size_t record_bytes,
                       Delivery delivery, double overhead = 0.0) {
-    // What decode() takes, and what the transport does.
     const std::size_t packet = packet_limit(transport_, delivery);
     const std::size_t most = std::min(kMaxRecords, records_in(packet, record_bytes));
     double bytes = 0.0;

@@ -10,8 +10,8 @@
 namespace tandem::consensus {
 namespace {
 
-/// ns: names come reliably and may be late by some resends. tests/consensus/sending_test.cpp fails
-/// at a third of it and at three times as much.
+/// ns: index messages are reliable and may be late by some resends.
+/// tests/consensus/sending_test.cpp fails at a third of it and at three times as much.
 constexpr SessionTime kIndexPatience = 500'000'000;
 
 }  // namespace
@@ -35,7 +35,7 @@ void IndexTables::learn(PeerId from, const IndexAssignment& name, std::size_t mo
 const SharedId* IndexTables::find(PeerId from, const CompactState& state) const {
   const auto table = ranges::find(tables_, from, &Table::peer);
   if (table == tables_.end() || table->number != state.table) return nullptr;
-  // Where all have been told, a name is at the place of its index.
+  // If no index is missing, a name is at the place of its index.
   const auto& names = table->names;
   if (state.index < names.size() && names[state.index].index == state.index) {
     return &names[state.index].id;

@@ -12,18 +12,17 @@
 
 namespace tandem::consensus {
 
-/// What the other peers call their bodies. A state whose index or table is not known here belongs
-/// to no body: it is never guessed whose it is. It takes what is said, up to a limit for each peer,
-/// and is kept for those that are connected.
+/// The other peers' indices of bodies. A state with an unknown index or table belongs to no body:
+/// there is no guessing. The tables are bounded per peer, and kept for those connected.
 class IndexTables {
  public:
-  /// @param most  names of one peer; further ones are not learnt
+  /// @param most  names of one peer; further ones are ignored
   void learn(PeerId from, const IndexAssignment& name, std::size_t most);
-  /// The body of a state; null where its name has not come. Valid until the next learn().
+  /// The body of a state; null if its index is unknown. Valid until the next learn().
   const SharedId* find(PeerId from, const CompactState& state) const;
   void forget(PeerId from);
-  /// After the states of a packet. @param missed  some had no name
-  /// @return whether it is time to ask for the names: some have been missing for a while
+  /// Call after the states of a packet. @param missed  some had an unknown index
+  /// @return whether it is time to ask for the indices: some have been missing for a while
   bool should_ask(PeerId from, bool missed, SessionTime now);
 
  private:
@@ -38,7 +37,7 @@ class IndexTables {
     SessionTime missing_since = 0;
   };
 
-  /// Made where there is none. Valid until the next one comes or goes.
+  /// Creates a missing table. Valid until a table is added or removed.
   Table& table_of(PeerId from);
 
   std::vector<Table> tables_;

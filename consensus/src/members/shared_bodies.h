@@ -16,63 +16,63 @@
 
 namespace tandem::consensus {
 
-/// What the predictor keeps of another peer's states of one body.
+/// A predictor's memory of another peer's states of one body.
 struct Heard {
   PeerId peer = 0;
-  SessionTime last = 0;  ///< ns, when the last one was used
+  SessionTime last = 0;  ///< ns, when a state was last used
   PredictorMemory memory;
 };
 
-/// Who owns a body that passes from owner to owner, as far as is known here: see Ownership.
+/// Ownership of a body that passes from owner to owner, as far as is known here: see Ownership.
 struct Tenure {
   PeerId owner = 0;       ///< 0 = nobody
-  SessionTime since = 0;  ///< ns, stamp of the last grant: earlier claims are old news
-  SessionTime heard = 0;  ///< ns, when somebody was last heard to own it; 0 = never asked
-  SessionTime began = 0;  ///< ns, when the own user began to act; 0 = has not asked for it
-  SessionTime acted = 0;  ///< ns, when the own user last did
+  SessionTime since = 0;  ///< ns, stamp of the last grant: earlier claims are outdated
+  SessionTime heard = 0;  ///< ns, when a peer last claimed to own it; 0 = never asked
+  SessionTime began = 0;  ///< ns, when the own user began to act; 0 = has not requested it
+  SessionTime acted = 0;  ///< ns, when the own user last acted
   SessionTime asked = 0;  ///< ns
 };
 
-/// One body that is shared, and what the stages keep of it from step to step.
+/// A shared body, and what the stages store for it between steps.
 struct SharedBody {
-  /// States that tell of a jump, for some of them get lost.
+  /// Number of states that announce a jump, as some get lost.
   static constexpr int kJumpTold = 3;
   static constexpr std::uint32_t kNoIndex = 0xffffffff;
 
   ShareDef def;
   bool held = false;
   bool coupled = false;    ///< held, joined to something or touched by it
-  bool stands = false;     ///< it has been elected, or what was is taken over: it hears nobody
-  bool joined = false;     ///< taken over from an established peer, as a newcomer does once
-  int jumped = 0;          ///< states still to be sent that tell of a jump
-  unsigned placed = 0;     ///< times that it was put somewhere
+  bool stands = false;     ///< elected, or its elected copy is being taken over: it ignores others
+  bool joined = false;     ///< a newcomer's first state was taken over from an established peer
+  int jumped = 0;          ///< states still to be sent that announce a jump
+  unsigned placed = 0;     ///< number of times it was placed
   SessionTime landed = 0;  ///< ns, stamp of the owner's last jump that was followed
   Initiative initiative = {};
   LeadClaims lead_claims = {};
-  std::vector<Heard> heard = {};  ///< by peer; empty where the predictor does not remember
+  std::vector<Heard> heard = {};  ///< by peer; empty if the predictor has no memory
   HardInput hard = {};
   Tenure tenure = {};
-  pbd::Correction averaged = {};        ///< before the step, where the pass does not do it
+  pbd::Correction averaged = {};        ///< correction before the step, outside of the pass
   double still = 0.0;                   ///< s, at rest and in agreement, see rests()
-  std::uint32_t index = kNoIndex;       ///< what the outbox calls it
-  pbd::Pose rest_pose = {};             ///< where it has been, about, since rest_since
-  SessionTime rest_since = 0;           ///< ns; 0 = it moves
-  pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, what agreement wanted of this step
+  std::uint32_t index = kNoIndex;       ///< the outbox's index
+  pbd::Pose rest_pose = {};             ///< approximate pose since rest_since
+  SessionTime rest_since = 0;           ///< ns; 0 = moving
+  pbd::Vec3 asked = pbd::Vec3::Zero();  ///< m, correction that agreement wanted in this step
 };
 
-/// Which bodies are shared, by ascending id, as the inbox has them.
+/// The shared bodies by ascending id, in the order of the inbox.
 class SharedBodies {
  public:
   explicit SharedBodies(const pbd::World& world) : world_(world) {}
 
-  /// @param most  bodies that there may be @throws std::invalid_argument as Peer::share
+  /// @param most  largest number of bodies @throws std::invalid_argument as Peer::share
   SharedBody& add(const ShareDef& def, std::size_t most);
   void remove(SharedBody& body);
   void set_owner(SharedBody& body, std::optional<PeerId> owner);
 
-  /// Null where it is not shared.
+  /// Null if it is not shared.
   SharedBody* find(const SharedId& id);
-  /// @throws std::invalid_argument where it is not shared
+  /// @throws std::invalid_argument if it is not shared
   SharedBody& at(const SharedId& id);
   std::size_t index_of(const SharedBody& body) const {
     return static_cast<std::size_t>(&body - bodies_.data());
@@ -82,12 +82,12 @@ class SharedBodies {
   auto begin() { return bodies_.begin(); }
   auto end() { return bodies_.end(); }
 
-  /// Whether any body has an owner, and whether that peer owns one.
+  /// Whether any body has an owner, and whether `peer` owns one.
   bool have_owners() const { return !owners_.empty(); }
   bool owns_any(PeerId peer) const;
 
  private:
-  /// A body comes to an owner, or goes from one; nullopt is nobody.
+  /// Count a body that gains or loses an owner; nullopt = none.
   void count_owner(std::optional<PeerId> owner, bool comes);
 
   const pbd::World& world_;

@@ -10,11 +10,11 @@
 namespace tandem::consensus {
 namespace {
 
-/// ns: jumps that the sender tells of (UpdateFlags::teleported) are believed no more often. A state
-/// after a silence as long as InboxOptions::max_age is not judged by what was before.
+/// ns: shortest time between jumps (UpdateFlags::teleported) that are believed. A state after a
+/// silence of InboxOptions::max_age is not compared with the earlier one.
 constexpr SessionTime kTeleportInterval = 200'000'000;
 
-/// The entry with an id, of entries by ascending id; null where there is none.
+/// The entry with an id, of entries sorted by id; null if there is none.
 template <class Entries, class Id>
 auto* find(Entries& entries, const Id& id) {
   const auto at = ranges::lower_bound(entries, id, [](const auto& e) { return e.id; });
@@ -85,9 +85,9 @@ InboxVerdict Inbox::judge(PeerId from, const StateUpdate& update, SessionTime no
   Body* const body = in_order ? &bodies_[next_] : find(bodies_, update.id);
   if (body == nullptr) return InboxVerdict::UnknownId;
   next_ = static_cast<std::size_t>(body - bodies_.data()) + 1;
-  // Sums on the side of the trusted clock: a stamp at the end of the range must not overflow.
+  // Added on the side of the trusted clock: stamps at the end of the range must not overflow.
   if (update.stamp > now + max_future_ns_) return InboxVerdict::Future;
-  // What rests is said once and may have waited long for a link.
+  // A resting body's state is sent once and may have waited long for a link.
   if (!update.flags.resting && update.stamp < now - max_age_ns_) return InboxVerdict::Expired;
   return store(*body, from, update, now);
 }
@@ -138,7 +138,7 @@ SessionTime Inbox::alive(PeerId from) const {
 }
 
 std::size_t Inbox::prune(SessionTime now) {
-  // The clock was set back: what was said then does not hold until those times have come.
+  // The clock was set back: what was said with later stamps no longer holds.
   for (Peer& peer : peers_) {
     if (peer.alive > now + max_future_ns_) peer.alive = 0;
   }

@@ -15,78 +15,78 @@
 namespace tandem::consensus {
 
 struct InboxOptions {
-  double max_age = 1.0;     ///< s: updates that are older when they arrive are refused
+  double max_age = 1.0;     ///< s: updates older than this on arrival are refused
   double max_future = 1.0;  ///< s: updates stamped further ahead of now are refused
-  /// Of two states of a peer in a row.
+  /// Between two successive states of a peer.
   PlausibilityOptions plausibility = {};
 };
 
-/// Why an update was kept or not; in the order of InboxCounters, of robust.h.
+/// Outcome of an update; in the order of InboxCounters, of robust.h.
 enum class InboxVerdict : std::uint8_t {
   Accepted,
-  Duplicate,    ///< same stamp as the one kept
-  Late,         ///< older than the one kept
+  Duplicate,    ///< same stamp as the stored one
+  Late,         ///< older than the stored one
   Expired,      ///< older than max_age
   Future,       ///< stamped more than max_future ahead
-  Implausible,  ///< nothing moves like that, see plausible()
+  Implausible,  ///< no body moves like that, see plausible()
   UnknownId,    ///< id not registered here
   UnknownPeer,  ///< peer not added here
 };
 
-/// The newest update of each peer for each registered body; everything else is dropped by its
-/// timestamp and counted. Memory is bounded by registered ids times added peers, whatever arrives.
-/// Of plausible updates with distinct stamps the same one is kept in whatever order they arrive;
-/// everything is iterated by ascending id and peer.
+/// The newest update of each peer for each registered body; all others are dropped by their
+/// timestamp and counted. Memory is bounded by registered ids times added peers. The stored update
+/// does not depend on the order of arrival if updates are plausible and have distinct stamps.
+/// Iteration is by ascending id and peer.
 class Inbox {
  public:
   struct Received {
     PeerId peer = 0;
     StateUpdate update;
-    SessionTime arrival = 0;  ///< ns, when it was offered
+    SessionTime arrival = 0;  ///< ns, time of offer()
     SessionTime jumped = 0;   ///< ns, arrival of the last jump that was believed; 0 = never
   };
 
   explicit Inbox(const InboxOptions& options = {});
 
-  /// Start to keep updates of a body. No effect where it is registered already.
+  /// Register a body. No effect if it is registered.
   void add_id(const SharedId& id);
-  /// Forget a body and its updates.
+  /// Drop a body and its updates.
   void remove_id(const SharedId& id);
   std::size_t id_count() const { return bodies_.size(); }
 
-  /// Start to keep updates of a peer. No effect where it is there already.
+  /// Register a peer. No effect if it is registered.
   void add_peer(PeerId peer);
-  /// Forget a peer's updates, as when it leaves. Its counters stay.
+  /// Drop a peer's updates, as when it leaves. Its counters stay.
   void remove_peer(PeerId peer);
-  /// The same, its counters as well.
+  /// Drop a peer with its counters.
   void forget_peer(PeerId peer);
 
-  /// Look at one update from an authenticated peer. @param now  session time, ns.
-  /// No allocation but at the first update of a peer for a body.
+  /// File one update of an authenticated peer. @param now  session time, ns. Allocates only at a
+  /// peer's first update for a body.
   InboxVerdict offer(PeerId from, const StateUpdate& update, SessionTime now);
 
-  /// What is kept of a body, by ascending peer; empty for unknown ids. Updates stay until a newer
-  /// one, prune() or a removal: mind their age. Valid until the next change.
+  /// Stored updates of a body, by ascending peer; empty for unknown ids. They stay until replaced,
+  /// pruned or removed: check their age. Valid until the next change.
   std::span<const Received> newest(const SharedId& id) const;
-  /// The same of the `index`th of all registered ids, in their order.
+  /// newest() by the index of a registered id, in their order.
   /// @pre index < id_count()
   std::span<const Received> newest_at(std::size_t index) const { return bodies_[index].newest; }
-  /// The peer has sent something at this session time, ns, however late that came: what it said of
-  /// resting bodies before still holds. Stamps more than max_future ahead are ignored.
-  /// @return whether it had fallen silent for longer than max_age: what it said was dropped
+  /// The peer has sent a packet stamped at this session time, ns, however late it came: its earlier
+  /// states of resting bodies still hold. Stamps more than max_future ahead are ignored.
+  /// @return whether it had been silent for longer than max_age: its states were dropped
   bool note_alive(PeerId from, SessionTime stamp, SessionTime now);
-  /// ns: the newest stamp of anything that the peer has sent; 0 = nothing yet.
+  /// ns, newest stamp of anything that the peer has sent; 0 = none.
   SessionTime alive(PeerId from) const;
-  /// ns: until when a state of this inbox is known to hold: its stamp; of a resting body the newest
-  /// stamp of anything that its sender has sent.
+  /// ns: until when a stored state holds: its stamp, or for a resting body the newest stamp of
+  /// anything that its sender has sent.
   SessionTime holds_until(const Received& received) const;
-  /// Drop what has not held for max_age, or after a clock was set back is further ahead than
-  /// max_future; returns how many.
+  /// Drop states that have not held for max_age, or that are further ahead than max_future after a
+  /// clock was set back; returns their number.
   std::size_t prune(SessionTime now);
 
-  /// All offers of all peers, unknown ones included.
+  /// Over all offers of all peers, unknown ones included.
   const InboxCounters& totals() const { return totals_; }
-  /// Of one peer, also after its removal; zeros where it was never added.
+  /// Of one peer, also after its removal; zeros if it was never added.
   InboxCounters counters(PeerId peer) const;
 
  private:
@@ -111,7 +111,7 @@ class Inbox {
   std::vector<Body> bodies_;  ///< by id
   std::vector<Peer> peers_;   ///< by id
   InboxCounters totals_;
-  std::size_t next_ = 0;  ///< body after the last one offered: packets name them in order
+  std::size_t next_ = 0;  ///< body after the one last offered: packets have them in order
 };
 
 }  // namespace tandem::consensus

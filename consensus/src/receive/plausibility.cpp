@@ -18,9 +18,9 @@ namespace {
 
 constexpr double kMaxSpin = 1000.0;           // rad/s
 constexpr double kTurn = 1.0;                 // rad, as PlausibilityOptions::jump
-constexpr double kMaxAcceleration = 1000.0;   // m/s^2, of what happens between two states
+constexpr double kMaxAcceleration = 1000.0;   // m/s^2, between two states
 constexpr double kMaxSpinAcceleration = 1e3;  // rad/s^2
-constexpr double kMaxHit = 100.0;             // m/s, change of velocity at once
+constexpr double kMaxHit = 100.0;             // m/s, sudden change of velocity
 
 }  // namespace
 
@@ -51,7 +51,7 @@ bool plausible(const StateUpdate& last, const StateUpdate& next,
   const double hit = kMaxHit + kMaxAcceleration * dt;
   if (!((next.twist.linear - last.twist.linear).squaredNorm() <= hit * hit)) return false;
 
-  // No rotation is longer than half a turn, so that after a while all are plausible.
+  // Rotations are at most half a turn: after a while all are plausible.
   const double spin =
       std::sqrt(std::max(last.twist.angular.squaredNorm(), next.twist.angular.squaredNorm()));
   const double turn = kTurn * steps + (2.0 * spin + 0.5 * kMaxSpinAcceleration * dt) * dt;

@@ -12,27 +12,26 @@
 namespace tandem::consensus {
 namespace {
 
-/// ns: a farewell ends what is stamped up to this long from now, see InboxOptions::max_future.
+/// ns: a farewell covers stamps up to this far ahead, see InboxOptions::max_future.
 constexpr SessionTime kMaxAhead = 1'000'000'000;
 
-/// Who makes up ids does not fill the memory: of so many that have been heard the one that has been
-/// silent for the longest is forgotten for a new one, of those that are heard now the newest. Who
-/// acts is heard in each step. All that is said of a body is compared with all the rest: where 100
-/// ids come in each step, for good, 256 cost 0.5 ms a step and 1024 4.6 ms (member_budget_test,
-/// [.measure]).
+/// Bounds the memory against made-up ids. Beyond it the peer silent for the longest is dropped for
+/// a new one, and of those heard in this step the newest. Active peers are heard in each step. All
+/// states of a body are compared with each other: if 100 new ids come in each step, 256 cost 0.5 ms
+/// a step and 1024 4.6 ms (member_budget_test, [.measure]).
 constexpr std::size_t kMaxPeers = 256;
 
-/// Of updates as often as our own, or as 60 a second, all bodies, four times the springs that one
-/// may have and some more, twice; four updates at once. A member who says more is read no further,
-/// and after a while dropped.
+/// Budget of a member: twice as many updates as the own rate, at least 60 per second, of all
+/// bodies, four times a user's largest number of springs and some more; four updates at once. What
+/// exceeds it is not decoded, and after a while its sender is dropped.
 constexpr double kMinRate = 60.0;
 constexpr double kTimes = 2.0;
 constexpr double kMore = 4.0 * static_cast<double>(Springs::kMaxPerPeer) + 32.0;
 constexpr double kUpdatesAtOnce = 4.0;
-/// s: between two own steps, for what may be read at once.
+/// s, longest time between own steps for which packets are decoded at once.
 constexpr double kLongestGap = 0.5;
 
-/// What a packet costs to take in, in states.
+/// Cost of processing a packet, in states.
 double work_of(const DecodedPacket& packet) {
   const std::size_t light = packet.assignments.size() + packet.indices_wanted.size() +
                             packet.alive.size() + packet.leaves.size() + packet.ownership.size() +
@@ -44,7 +43,7 @@ double work_of(const DecodedPacket& packet) {
          0.25 * static_cast<double>(light);
 }
 
-/// So many times as many bodies as are shared here, and so many more, others may have.
+/// Other peers may have this multiple of the bodies shared here, and this many more.
 constexpr std::size_t kTimesIndices = 4;
 constexpr std::size_t kMoreIndices = 4096;
 
@@ -72,12 +71,12 @@ void Receiver::receive() {
     for (Decoded& decoded : std::span(batch_).first(count)) take_packet(decoded);
     cpu.add(data_.stats.process_s);
   }
-  // States that have expired since count for nothing, nor does who sent them.
+  // Drop states that have expired, and their senders' influence with them.
   data_.inbox.prune(data_.now);
 }
 
 bool Receiver::decode_admitted(const Packet& packet, DecodedPacket& out) {
-  if (packet.from == 0) return false;  // no peer has this id
+  if (packet.from == 0) return false;  // reserved id
   ++data_.stats.packets_received;
   pbd::TokenBucket& budget = meet(packet.from).budget;
   if (!budget.admits(data_.now)) {
@@ -102,7 +101,7 @@ bool Receiver::decode_admitted(const Packet& packet, DecodedPacket& out) {
 void Receiver::take_packet(Decoded& decoded) {
   const Packet& packet = *decoded.packet;
   const auto met = ranges::lower_bound(met_, packet.from, &Met::peer);
-  // Forgotten for others whose packets came after it.
+  // Dropped in favour of peers whose packets came after it.
   if (met == met_.end() || met->peer != packet.from) return;
   std::swap(incoming_, decoded.content);
   keep_allowed(packet.from, packet.role);
@@ -138,8 +137,8 @@ void Receiver::date(const Packet& packet) {
     shift_stamps(incoming_, sender_clocks_.hear(packet.from, *newest, received, round_trip));
     return;
   }
-  // Anchors are stamped when they are moved, and farewells and events may have waited for a link:
-  // they say little about the clock.
+  // Anchors are stamped when moved, and farewells and events may have waited for a link: their
+  // stamps say little about the clock.
   const auto known = sender_clocks_.shift(packet.from);
   shift_stamps(incoming_, known ? *known
                                 : SenderClocks::guess(newest_stamp_of_others(incoming_), received,
@@ -149,7 +148,7 @@ void Receiver::date(const Packet& packet) {
 void Receiver::set_budget(pbd::TokenBucket& budget) const {
   const double update = static_cast<double>(data_.bodies.size()) + kMore;
   const double rate = kTimes * std::max(kMinRate, data_.options.update_hz) * update;
-  // Who steps seldom reads at once what came meanwhile.
+  // A peer that seldom steps decodes at once what came meanwhile.
   const double since = std::min(data_.step_dt, kLongestGap);
   budget.set(rate, std::max(kUpdatesAtOnce * update, rate * since));
 }
@@ -216,7 +215,7 @@ void Receiver::take_in(Met& sender) {
   const SessionTime farewell = sender.farewell;
   data_.inbox.add_peer(from);
   data_.report_of(from);
-  // Nothing asks for states where nothing is agreed upon and nobody drives a body.
+  // Without agreement and owners nothing uses the states.
   const bool unheard = data_.options.coupling == Coupling::None && !data_.bodies.have_owners();
   for (const StateUpdate& update : incoming_.states) {
     if (!unheard) take_in_state(from, update, farewell);
@@ -227,8 +226,7 @@ void Receiver::take_in(Met& sender) {
   for (const OwnershipUpdate& update : incoming_.ownership) ownership_.push_back({from, update});
   if (!incoming_.leaves.empty()) {
     part_from(from);
-    // Peers' steps are some way ahead of each other's; a stamp far ahead must not bar a
-    // successor.
+    // Peers' steps are slightly ahead of each other; a stamp far ahead must not block a successor.
     sender.farewell = std::min(data_.now + kMaxAhead, incoming_.leaves.back().stamp);
   }
 }
@@ -237,7 +235,7 @@ void Receiver::take_in_springs(PeerId from) {
   for (const SpringUpdate& update : incoming_.springs) take_in_spring(from, update);
   for (const AnchorUpdate& anchor : incoming_.anchors) {
     const SpringUpdate* const known = data_.springs.last_of(from, anchor.spring);
-    // Of a spring whose creation has not come, or that is gone, or whose body is not here.
+    // The creation has not come, the spring or its body is gone, or the body is not here.
     if (known == nullptr || known->event == SpringEvent::Remove ||
         !instance_of(known->body).valid()) {
       continue;
@@ -255,7 +253,7 @@ void Receiver::take_in_acts(Met& sender) {
   const PeerId from = sender.peer;
   for (const ActUpdate& update : incoming_.acts) {
     SharedBody* const shared = data_.bodies.find(update.body);
-    // What an owner does is in its states, and nobody else acts on its bodies.
+    // An owner's acts are in its states, and no other peer acts on its bodies.
     const bool may = shared != nullptr && data_.world.contains(shared->def.body) &&
                      data_.world.props(shared->def.body).type == pbd::BodyType::Dynamic &&
                      !shared->def.owner.has_value() &&
@@ -275,7 +273,7 @@ void Receiver::take_in_acts(Met& sender) {
 }
 
 void Receiver::take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell) {
-  // Overtaken by the farewell; what is stamped later comes from a successor.
+  // Overtaken by the farewell; later stamps belong to a successor.
   if (update.stamp <= farewell) return;
   if (data_.inbox.offer(from, update, data_.now) != InboxVerdict::UnknownId) return;
   ++data_.stats.unknown_ids;

@@ -15,10 +15,10 @@
 
 namespace tandem::consensus {
 
-/// Takes in what has come: packets are decoded, checked, dated and sorted into inbox and springs.
+/// Decodes, checks and dates packets and files their records into the inbox and the springs.
 class Receiver {
  public:
-  /// What another peer says of who owns a body.
+  /// A message about a body's owner.
   struct OwnershipNews {
     PeerId from = 0;
     OwnershipUpdate update;
@@ -28,58 +28,58 @@ class Receiver {
 
   void receive();
 
-  // Of the last receive().
+  // Results of the last receive().
   std::span<const UnknownState> unknown() const { return unknown_; }
   std::span<const OwnershipNews> ownership() const { return ownership_; }
-  /// Who lacks indices, or states.
+  /// Peers that lack indices or states.
   std::span<const PeerId> wants_all() const { return wants_all_; }
 
  private:
-  /// Another peer since it was first heard.
+  /// Another peer, from when it was first heard.
   struct Met {
     PeerId peer = 0;
-    SessionTime since = 0;  ///< ns, when it was heard first,
-    SessionTime last = 0;   ///< and when last
+    SessionTime since = 0;  ///< ns, when it was first heard
+    SessionTime last = 0;   ///< ns, when it was last heard
     pbd::TokenBucket budget;
-    pbd::TokenBucket acts;         ///< as Acts has it
-    int astray = 0;                ///< packets in a row with stamps of another time
+    pbd::TokenBucket acts;         ///< limits of Acts
+    int astray = 0;                ///< successive packets with stamps of another clock
     SessionTime astray_since = 0;  ///< ns
-    /// Stamp of its farewell; the beginning of time where it has not left.
+    /// Stamp of its farewell; the minimum if it has not left.
     SessionTime farewell = std::numeric_limits<SessionTime>::min();
   };
 
-  /// A packet that was admitted, and what is in it.
+  /// A packet within its sender's budget, decoded.
   struct Decoded {
     const Packet* packet = nullptr;
     DecodedPacket content;
   };
 
-  /// False where its sender may not say so much, or it is no packet.
+  /// False if its sender has exceeded its budget, or the packet cannot be decoded.
   bool decode_admitted(const Packet& packet, DecodedPacket& out);
   void take_packet(Decoded& decoded);
-  /// Whether the stamps in incoming_ say nothing of session time, as where its sender's clock was
-  /// set and it started again.
+  /// Whether the stamps in incoming_ are unrelated to session time, as after its sender's clock was
+  /// set and it restarted.
   bool is_of_another_clock(Met& met);
   /// Shift the stamps of incoming_ to the own clock.
   void date(const Packet& packet);
-  /// What one member may have this peer do: budget, in what work_of() counts.
+  /// Budget for one member's packets, in the units of work_of().
   void set_budget(pbd::TokenBucket& budget) const;
-  /// Take out of incoming_ what that role may not say.
+  /// Remove from incoming_ the records that the role forbids.
   void keep_allowed(PeerId from, Role role);
-  /// Note that a peer was heard; make room for it. Valid until the next call.
+  /// Record that a peer was heard, and make room for it. Valid until the next call.
   Met& meet(PeerId from);
-  /// What a peer has said counts no more.
+  /// Ignore everything that a peer has sent.
   void part_from(PeerId peer);
   void forget(PeerId peer);
   void take_in(Met& sender);
   void take_in_state(PeerId from, const StateUpdate& update, SessionTime farewell);
   void take_in_compact(PeerId from, SessionTime farewell);
-  /// Springs as they are told in full, and anchors of known ones.
+  /// Full springs, and anchors of known ones.
   void take_in_springs(PeerId from);
-  /// Others' acts, and who has which.
+  /// The others' acts and receipts.
   void take_in_acts(Met& sender);
   void take_in_spring(PeerId from, const SpringUpdate& update);
-  /// Invalid where the body is not shared here, or gone.
+  /// Invalid if the body is not shared here, or gone.
   pbd::BodyId instance_of(const SharedId& id) const;
 
   PeerData& data_;
@@ -92,10 +92,10 @@ class Receiver {
 
   // Scratch, kept for its capacity.
   std::vector<Packet> packets_;
-  std::vector<PeerStatus> senders_;  ///< of packets_, where any is dated on arrival
+  std::vector<PeerStatus> senders_;  ///< of packets_, if any is dated by arrival
   DecodedPacket incoming_;
-  /// So many are decoded before they are looked at: a reading of the processor's clock, for each of
-  /// the two, costs as much as a state (benchmarks/network/receive_cost).
+  /// Packets are decoded in batches of this size before they are processed: reading the processor's
+  /// clock, for each of the two, costs as much as a state (benchmarks/network/receive_cost).
   std::array<Decoded, 16> batch_;
 };
 

@@ -12,12 +12,12 @@
 namespace tandem::consensus {
 namespace {
 
-/// ns: further from what is known a sample is of another clock, or of a packet that was stuck.
+/// ns: a sample further from the estimate is of another clock, or of a delayed packet.
 constexpr SessionTime kAstray = 250'000'000;
-/// ns: as long the shift follows at once.
+/// ns: for this long the offset follows at once.
 constexpr SessionTime kAtOnce = 1'000'000'000;
 
-/// a - b, within `most` of 0, for times within kMaxStamp of 0.
+/// a - b, clamped to +-`most`, for times within kMaxStamp of 0.
 SessionTime difference(SessionTime a, SessionTime b, SessionTime most = kMaxStamp) {
   const SessionTime half = a / 2 - b / 2;
   if (half > most / 2 - 1) return most;
@@ -25,12 +25,12 @@ SessionTime difference(SessionTime a, SessionTime b, SessionTime most = kMaxStam
   return a - b;
 }
 
-/// Received less stamped, so that a round trip more or less fits.
+/// Arrival less stamp, with room to add or subtract a round trip.
 SessionTime lateness(SessionTime received, SessionTime stamp) {
   return difference(received, stamp, kMaxStamp - 2 * SenderClocks::kLongestWay);
 }
 
-/// Look at what is stamped when it is sent.
+/// Visit the stamps made when sending.
 template <class Packet, class Look>
 void stamps_of_sending(Packet& packet, const Look& look) {
   for (auto& state : packet.states) look(state.stamp);
@@ -38,7 +38,7 @@ void stamps_of_sending(Packet& packet, const Look& look) {
   for (auto& alive : packet.alive) look(alive.stamp);
 }
 
-/// And at everything else.
+/// Visit all other stamps.
 template <class Packet, class Look>
 void other_stamps(Packet& packet, const Look& look) {
   for (auto& spring : packet.springs) look(spring.stamp);
@@ -88,15 +88,15 @@ struct SenderClocks::Sender {
   SessionTime shift = 0;         ///< ns
   SessionTime began = 0;         ///< ns, own clock
   SessionTime last = 0;          ///< ns, own clock, of the last sample
-  bool knows_way = false;        ///< a round trip was known
-  std::size_t count = 0;         ///< samples ever
-  int astray = 0;                ///< samples in a row that fit nothing before
+  bool knows_way = false;        ///< whether a round trip was known
+  std::size_t count = 0;         ///< samples so far
+  int astray = 0;                ///< successive samples that do not fit
   SessionTime astray_since = 0;  ///< ns, own clock
-  SessionTime stamp = 0;         ///< of the packets that came last
-  double sum = 0.0;              ///< ns, of these, how much later than `first`
-  SessionTime first = 0;         ///< ns, received less stamped, of the first of these
+  SessionTime stamp = 0;         ///< of the current packets
+  double sum = 0.0;              ///< ns, of these, sum of lateness relative to `first`
+  SessionTime first = 0;         ///< ns, arrival less stamp of the first of these
   std::uint64_t packets = 0;     ///< number of these
-  std::array<SessionTime, kWindow> samples = {};  ///< ns, received less stamped
+  std::array<SessionTime, kWindow> samples = {};  ///< ns, arrival less stamp
 
   void restart(SessionTime late, SessionTime half, SessionTime received) {
     shift = late - half;
@@ -124,7 +124,7 @@ struct SenderClocks::Sender {
     const auto passed = static_cast<double>(std::max<SessionTime>(difference(received, last), 0));
     const auto age = static_cast<double>(difference(received, began));
     last = std::max(last, received);
-    // At first the mean of all medians, then one that forgets.
+    // At first the mean of all medians, then an exponential average.
     const double part = passed < age ? passed / std::min(age, kSettling * 1e9) : 1.0;
     double step = std::min(part, 1.0) * missing;
     if (difference(received, began) > kAtOnce)
@@ -151,7 +151,7 @@ SessionTime SenderClocks::hear(PeerId from, SessionTime newest, SessionTime rece
     sender.knows_way = true;
     sender.restart(sender.shift, half, received);
   }
-  // Packets of one moment are one sample: of many, those of the last window might be a few steps.
+  // Packets with one stamp are one sample: else the window might cover only a few steps.
   if (sender.packets > 0 && sender.stamp != newest) {
     sender.close(half, received);
     sender.packets = 0;

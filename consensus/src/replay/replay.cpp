@@ -18,20 +18,20 @@ namespace {
 
 constexpr double kAll = std::numeric_limits<double>::infinity();
 
-/// Frames: states of one peer that are no further apart are taken in together. They came in several
-/// packets, and bodies that touch must not be moved one after the other: a pile of 900 cubes had
-/// them up to 17 mm, one frame's way, behind.
+/// Frames: states of one peer no further apart are blended together. They came in several packets,
+/// and bodies that touch must not be moved one after the other: a pile of 900 cubes had them up to
+/// 17 mm, the motion of one frame, behind.
 constexpr std::size_t kTogether = 3;
 
-/// Of the share that a guess bears, what carried news get. One of 0.15 s beside two honest ones:
-/// their p50 is 1.07 times what it is without it, and 1.12 with all of the share (cubes, six
-/// seeds).
+/// Carried news get this part of the share that is stable for an extrapolation. With one peer at
+/// 0.15 s beside two honest ones, the others' p50 is 1.07 times that without it, and 1.12 with the
+/// whole share (cubes, six seeds).
 constexpr double kCarried = 0.5;
 
-/// The state of another peer where its stamp lies between own frames: the difference to the own
-/// motion is carried to the frame. Tennis off the grid, profile 3, all p95: 6.3 mm, 20 without it.
-/// An owner's state is carried by its own velocity: the own motion contains the whole of the last
-/// correction, which would be made again (tests/consensus/peer_owner_test.cpp, a chain).
+/// Another peer's state moved from its stamp to the frame: the difference to the own motion is
+/// kept. Tennis off the grid, profile 3, all p95: 6.3 mm, 20 without it. An owner's state is
+/// extrapolated by its own velocity: the own motion contains the whole last correction, which would
+/// be made again (tests/consensus/peer_owner_test.cpp, a chain).
 pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
   const SessionTime time = history.frame(news.frame).time;
   if (time == news.stamp) return news.state;
@@ -95,7 +95,7 @@ PeerId Replay::update(ReplayStats& stats) {
   } else if (!slots_.empty() && schedule_.steps_along() && reached_ + 1 == history_.last()) {
     ++stats.postponed;
     forget_strangers();
-    next_ = news_.size();  // they are not of what is stepped along
+    next_ = news_.size();  // the continued replay does not use them
   } else {
     ++stats.without;
     drop();
@@ -111,7 +111,7 @@ PeerId Replay::update(ReplayStats& stats) {
   take_late(reached_, begins);
   if (schedule_.is_fresh()) blend(reached_);
   for (std::uint32_t slot = 0; slot < slots_.size(); ++slot) {
-    // Another body may have taken the place since it was begun.
+    // Another body may have taken the slot since the replay began.
     slots_[slot].covered = slots_[slot].covered && is_here(slot);
     if (!slots_[slot].covered) continue;
     slots_[slot].gap = gap(history_.present(slot), copy_.world().states()[slot]);
@@ -130,7 +130,7 @@ void Replay::bring_together() {
     return a.peer != b.peer ? a.peer < b.peer
                             : (a.frame != b.frame ? a.frame > b.frame : a.slot < b.slot);
   });
-  // What a peer has not said lately is as it expects others to expect it: the replay fills it in.
+  // Where a peer has not sent a state lately, it relies on prediction: the replay provides that.
   start_ = history_.last();
   oldest_ = 0;
   const bool goes_back =
@@ -153,7 +153,7 @@ void Replay::bring_together() {
     while (first != news_.end() && first->peer == peer) ++first;
   }
   news_.erase(kept, news_.end());
-  // Worlds are kept from when they are first asked for: until then a replay begins where it can.
+  // Snapshots are kept from the first request on: until then a replay begins where it can.
   while (start_ < history_.last() && snapshots_.find(start_, history_.last()) == nullptr) ++start_;
   carry_to_start();
 }
@@ -163,7 +163,7 @@ void Replay::carry_to_start() {
     if (news.frame >= start_) continue;
     news.frame = start_;
     if (!news.carried) continue;
-    // What was corrected since is not in it, and comes once more.
+    // It lacks the corrections made since, which are then made again.
     const double age = seconds(history_.frame(start_).time - news.stamp);
     news.weight =
         std::min(news.weight, weight_of_share(kCarried * stable_share(age) / options_.share));
@@ -199,7 +199,7 @@ bool Replay::start() {
     if (!world.awake_at(news.slot)) {
       copy_.set_state(news.slot, world.states()[news.slot], true);
     }
-    // What was put there since has no past that the others share.
+    // A body placed since has no past in common with the others' copies.
     if (history_.since(news.slot) > begins) prescribe({.slot = news.slot});
   }
   tethers_.begin(world_, world, snapshot->rows, begins);
@@ -224,8 +224,8 @@ void Replay::take_late(std::size_t frame, bool begins) {
   if (all.empty()) return;
   const SessionTime time = history_.frame(frame).time;
   const SessionTime before = begins ? 0 : history_.frame(frame - 1).time;
-  // A world that was copied then has not what was taken since; one that is stepped along has not
-  // what has only just been.
+  // A copy of the world from then lacks what was taken later; a continued replay lacks only what
+  // was taken in the last frame.
   const SessionTime lacks = schedule_.is_fresh() ? time : history_.frame(history_.last()).time;
   for (const WorldHistory::Late& late : all) {
     const bool due = begins ? late.taken >= lacks : late.done > before;
@@ -250,7 +250,7 @@ void Replay::blend(std::size_t frame) {
          ++next_) {
       const News& news = news_[next_];
       const pbd::BodyState state = at_frame(history_, news);
-      // Against all that was blended before, as fuse() has it against the local state.
+      // Relative to all that was blended before, as fuse() has it relative to the local state.
       double part = std::isinf(weight) ? 0.0 : news.weight / weight;
       if (std::isinf(news.weight)) part = kAll;
       estimates_.push_back({.peer = news.peer,

@@ -18,7 +18,7 @@
 
 namespace tandem::consensus {
 
-/// The mean of all peers' states at their stamps, brought to the present in a scratch world.
+/// Brings the mean of all peers' states at their stamps to the present, in a scratch world.
 /// docs/method.md Secs. 4 and 5.
 class Replay {
  public:
@@ -27,15 +27,15 @@ class Replay {
     std::uint32_t slot = 0;
     PeerId peer = 0;
     SessionTime stamp = 0;  ///< ns
-    double weight = 0.0;    ///< against the own state's 1; infinity = an owner's
-    bool carried = false;   ///< to where the replay begins, so that it need not go back so far
+    double weight = 0.0;    ///< relative to the own state's 1; infinity = an owner's
+    bool carried = false;   ///< extrapolated to the replay's start
     pbd::BodyState state;
-    std::size_t frame = 0;  ///< set: of the own history, nearest to the stamp
+    std::size_t frame = 0;  ///< set: frame of the own history nearest to the stamp
   };
-  /// A body that moves as it is known to, whatever the replay makes of it.
+  /// A body whose motion is known and not simulated by the replay.
   struct Prescribed {
     std::uint32_t slot = 0;
-    /// By another peer's hand, from here on in a straight line; else as it moved here.
+    /// Moved by another peer's hand, from here on in a straight line; else as it moved here.
     std::optional<pbd::BodyState> from = {};
     SessionTime stamp = 0;  ///< ns
   };
@@ -48,49 +48,49 @@ class Replay {
         options_(options),
         tethers_(history, springs, options.inputs) {}
 
-  /// What the world itself is stepped by; nothing is replayed before that is known.
+  /// The options that the world is stepped with; nothing is replayed before they are known.
   void set_solver(const pbd::SolverOptions& options);
 
-  /// A step has ended and is the history's last frame: keep the world as it is, caches and all.
+  /// A step has ended and is the history's last frame: take a snapshot, caches included.
   void keep();
-  /// Forget news; what follows until update() is of the step to come.
+  /// Drop the news; calls until update() are for the step to come.
   void begin() { news_.clear(), prescribed_.clear(); }
   void add(const News& news) { news_.push_back(news); }
   void prescribe(const Prescribed& body) { prescribed_.push_back(body); }
-  /// Replay anew, step the last replay along, or leave both out, as the budget allows.
-  /// @return whose news are too old for it: 0 where the step has a target
+  /// Replay anew, continue the last replay, or skip both, as the budget allows.
+  /// @return 0 if the step has a target; else the peer whose news are too old
   PeerId update(ReplayStats& stats);
-  /// The old one is of other times.
+  /// Discard the last replay: it belongs to other times.
   void drop() { slots_.clear(); }
 
-  /// What this body misses of where the mean of all peers is now; null where nobody knows.
+  /// The correction of this body to the present mean of all peers; null if unknown.
   const pbd::Correction* find(std::uint32_t slot) const {
     return slot < slots_.size() && slots_[slot].covered ? &slots_[slot].gap : nullptr;
   }
   void set_hook(ReplayHook* hook) { hook_ = hook; }
-  /// False once the world could not be copied, and where it is not stepped by a solver of ours.
+  /// False once the world could not be copied, or if our solver does not step it.
   bool possible() const { return solver_.has_value() && copies_; }
 
  private:
-  /// What comes of one slot.
+  /// Result for one slot.
   struct Slot {
-    double weight = 1.0;  ///< of what was blended so far
+    double weight = 1.0;  ///< of all blended so far
     bool covered = false;
-    pbd::Correction gap = {};  ///< to the mean: what is still missing
+    pbd::Correction gap = {};  ///< correction to the mean
   };
 
-  /// Set the frames at which news are taken in: at one all that a peer said at about one time.
+  /// Set the frames at which news are blended: one for all states of a peer of about one time.
   void bring_together();
-  /// Take what is older than the start in there.
+  /// Move news older than the start to the start.
   void carry_to_start();
   bool start();
-  /// Whether the copy has the body that is in that slot now: who came since it was made, or took
-  /// the place of somebody else, is not in it.
+  /// Whether the copy has the body that is in that slot now. A body added later, or in place of
+  /// another, is not in it.
   bool is_here(std::uint32_t slot) const;
   void forget_strangers();
   bool step_from(std::size_t frame, ReplayStats& stats);
-  /// What was done to bodies before that frame, and since the one before it or, where this update
-  /// begins, since ever.
+  /// Apply acts of the time before that frame, and after the frame before it; all earlier ones too
+  /// if this update begins.
   void take_late(std::size_t frame, bool begins);
   void push(const WorldHistory::Late& late, SessionTime time);
   void blend(std::size_t frame);
@@ -102,7 +102,7 @@ class Replay {
   const Springs& springs_;
   ReplayOptions options_;
   std::optional<pbd::Solver> solver_;
-  pbd::SolverOptions solved_with_;  ///< the world itself
+  pbd::SolverOptions solved_with_;  ///< of the world's own steps
   pbd::WorldCopy copy_;
   ReplayHook* hook_ = nullptr;
   bool copies_ = true;
@@ -110,10 +110,10 @@ class Replay {
   ReplaySchedule schedule_;
   ReplayTethers tethers_;
   std::size_t start_ = 0;    ///< frame
-  PeerId oldest_ = 0;        ///< whose news it is
+  PeerId oldest_ = 0;        ///< the peer whose news it is
   std::size_t reached_ = 0;  ///< frame
   std::vector<News> news_;
-  std::size_t next_ = 0;  ///< of news_, not blended yet
+  std::size_t next_ = 0;  ///< of news_, the first not blended yet
   std::vector<Prescribed> prescribed_;
   std::vector<Slot> slots_;
   std::vector<PeerEstimate> estimates_;

@@ -11,23 +11,23 @@
 namespace tandem::consensus {
 namespace {
 
-/// Steps of one body that are always allowed for: where little moves all of it is replayed anew in
-/// each step. Tennis at profile 5 goes on for 24 strokes in 20 s so, and for 11 without.
+/// Steps of one body that are always allowed: if little moves, it is replayed anew in each step.
+/// Tennis at profile 5 then goes on for 24 strokes in 20 s, and for 11 without.
 constexpr double kMinSteps = 32.0;
 
-/// Steps in which the last replay may be stepped along. With other peers' replays at other stamps
-/// 1000 balls over a cliff at profile 5 were 42 mm apart (p95) with 3, and 87 without a limit.
+/// Steps for which the last replay may be continued. With other peers' replays at other stamps 1000
+/// balls over a cliff at profile 5 were 42 mm apart (p95) with 3, and 87 without a limit.
 constexpr int kOldest = 3;
 
-/// Own steps whose budget may be saved up: where steps and stamps come evenly, one replay in each
-/// period never needs as much. Tennis, profile 5, 60 and 72 steps a second: moving p95 126 mm, 195
-/// where one step's is saved.
+/// Steps whose unused budget may be saved: with steps and stamps at a regular rate, one replay per
+/// period never needs as much. Tennis, profile 5, 60 and 72 steps a second: moving p95 126 mm, and
+/// 195 if one step's is saved.
 constexpr double kSavedSteps = 60.0;
 
-/// Worlds that are kept beyond the oldest one that was asked for.
+/// Snapshots kept beyond the oldest one requested.
 constexpr std::size_t kSpare = 4;
 
-/// Which period of `length` s a time is in: all peers count the same ones.
+/// Number of the period of `length` s that contains a time: the same for all peers.
 SessionTime period_of(SessionTime time, double length) {
   constexpr SessionTime kSecond = 1'000'000'000;
   constexpr SessionTime kPerSecond = 960;
@@ -40,7 +40,7 @@ SessionTime period_of(SessionTime time, double length) {
 
 void Snapshots::resize(std::size_t count) {
   std::vector<Snapshot> other(count);
-  // Of two that share a place the newer one stays.
+  // If two share a place, the newer one is kept.
   for (Snapshot& old : snapshots_) {
     Snapshot& place = other[old.frame % count];
     if (old.taken && (!place.taken || place.frame < old.frame)) std::swap(place, old);
@@ -50,14 +50,14 @@ void Snapshots::resize(std::size_t count) {
 
 bool Snapshots::keep(std::size_t frame, const pbd::World& world, bool rests,
                      const Springs& springs) {
-  // A world that sleeps is what it was, unless somebody has moved what sleeps.
+  // A sleeping world is unchanged, unless sleepers were moved.
   const std::uint64_t moved = std::exchange(sleepers_moved_, world.sleepers_moved());
   if (rests && rests_ && moved == sleepers_moved_) return true;
   rests_ = rests;
   resting_since_ = frame;
   if (snapshots_.empty()) snapshots_.resize(kSpare);
   if (frame >= window_ + kWindow) {
-    // What one who was late has asked for is given back.
+    // Release what a late peer had requested.
     if (asked_ + kSpare < snapshots_.size() / 2) resize(asked_ + kSpare);
     window_ = frame;
     asked_ = 0;
@@ -95,7 +95,7 @@ bool ReplaySchedule::is_due(const WorldHistory& history, std::size_t start, std:
     saved_ -= age;
     return true;
   }
-  // One in `every` steps, stepped along in between, costs age + every - 1.
+  // One fresh replay in `every` steps, continued in between, costs age + every - 1.
   double every = std::ceil((age - 1.0) / std::max(budget - 1.0, 1e-9));
   if (every > kOldest + 1.0) every = std::ceil((age + kOldest) / budget);
   const double step = seconds(history.frame(now).time - history.frame(now - 1).time);

@@ -15,11 +15,11 @@ class ReplayTethers {
   ReplayTethers(const WorldHistory& history, const Springs& springs, ReplayInputs inputs)
       : history_(history), springs_(springs), inputs_(inputs) {}
 
-  /// `scratch` is a copy of `world` that has these rows of the springs' block.
-  /// @param known_until  ns, own inputs with ReplayInputs::Common
+  /// `scratch` is a copy of `world`, with these rows of the springs' block.
+  /// @param known_until  ns, end of the own inputs used with ReplayInputs::Common
   void begin(const pbd::World& world, pbd::World& scratch, std::span<const pbd::ConstraintId> rows,
              SessionTime known_until);
-  /// For the step of `dt` s from that time on.
+  /// Set them for the step of `dt` s from that time on.
   void apply(pbd::World& scratch, SessionTime time, double dt);
 
  private:

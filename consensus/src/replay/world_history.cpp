@@ -12,8 +12,8 @@
 namespace tandem::consensus {
 namespace {
 
-/// m/s: what changes by more from frame to frame was hit. Tennis off the grid, profile 3: all
-/// p95 6.3 mm and p99 14; 8.0 and 22 if that is not looked at.
+/// m/s: a larger change between frames is a hit. Tennis off the grid, profile 3: all p95 6.3 mm and
+/// p99 14; 8.0 and 22 without this.
 constexpr double kHit = 0.5;
 
 bool same(const pbd::Pose& a, const pbd::Pose& b) {
@@ -52,7 +52,7 @@ void WorldHistory::notice(const pbd::World& world) {
 
 void WorldHistory::add(SessionTime time, const pbd::World& world) {
   if (count_ > 0 && time <= frame(last()).time) clear();
-  // One frame that is too old stays, so that all younger times lie between two.
+  // One frame that is too old stays, so that all younger times lie between two frames.
   while (count_ > 2 && frame(first() + 1).time < time - longest_) --count_;
   if (count_ == frames_.size()) grow();
   ++end_;
@@ -78,7 +78,7 @@ void WorldHistory::note_agreement(std::uint32_t slot, const pbd::World& world) {
 pbd::BodyState WorldHistory::Late::added_to(const pbd::BodyState& state, SessionTime time) const {
   const bool follows = time > followed;
   const pbd::Twist& change = follows ? now : twist;
-  // What agreement has moved since is in the pose.
+  // Corrections by agreement since are in the pose.
   const double since = follows ? 0.0 : seconds(time - done);
   return {carried({state.pose, change}, since).pose,
           {state.twist.linear + change.linear, state.twist.angular + change.angular}};
@@ -157,7 +157,7 @@ void WorldHistory::note_inputs(const pbd::World& world) {
 }
 
 std::size_t WorldHistory::at_or_before(SessionTime time) const {
-  // Steps are about equally long, so that a guess is seldom off by more than one.
+  // Steps have similar lengths, so that the guess is seldom off by more than one.
   std::size_t n = last();
   if (count_ > 1 && time < frame(n).time) {
     const SessionTime step = std::max<SessionTime>(frame(n).time - frame(n - 1).time, 1);

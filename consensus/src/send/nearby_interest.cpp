@@ -31,10 +31,10 @@ class __attribute__((visibility("hidden"))) NearbyInterest::Impl {
   Peer& peer;
   NearbyInterestOptions options;
   std::map<PeerId, pbd::Vec3> places;
-  std::set<PeerId> placed;  ///< by set_position()
+  std::set<PeerId> placed;  ///< set by set_position()
   std::vector<HeldBody> held;
-  std::vector<pbd::ConstraintEdge> edges;  ///< of the last update(): joined, or touching
-  std::vector<Near> involved;              ///< what users hold and what touches it; sorted
+  std::vector<pbd::ConstraintEdge> edges;  ///< of the last update(): joined or touching
+  std::vector<Near> involved;              ///< held bodies and those touching them; sorted
   std::set<std::pair<PeerId, SharedId>> told;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What is due to whom, and what of it the budget has room for.
+// Which states are due to which peer, and which of them the budget allows.
 #include "send/outbox.h"
 
 #include <algorithm>
@@ -17,52 +17,52 @@ namespace {
 
 using pbd::Vec3;
 
-// docs/history/network-figures.md ("States in few bytes") measures what all of these come to, at
-// 64 and 256 kbit/s.
+// docs/history/network-figures.md ("States in few bytes") measures the effect of these at 64 and
+// 256 kbit/s.
 
-/// s: an error in velocity counts as what it comes to by then.
+/// s: an error in velocity counts as the error in position after this time.
 constexpr double kExpectedFor = 0.05;
-/// m: the unit of errors where every state is sent and they only decide on the order.
+/// m: the unit of errors if every state is sent and they only determine the order.
 constexpr double kUnit = 1e-3;
-/// States that tell of a change, for some of them get lost.
+/// Number of states that announce a change, as some get lost.
 constexpr std::uint8_t kTold = 3;
 
-// Priority for each 1/60 s that a state waits.
+// Priority per 1/60 s of waiting.
 constexpr double kFirst = 1e6;
-constexpr double kWaits = 0.2;  // for its turn alone
+constexpr double kWaits = 0.2;  // for waiting alone
 constexpr double kNews = 50.0;
-constexpr double kMaxMissed = 100.0;  // tolerances: all that are further off are alike
+constexpr double kMaxMissed = 100.0;  // tolerances: larger errors count alike
 
-/// s: what has come to rest is said so often, many in one packet.
+/// s: interval between messages of bodies that came to rest, many in one packet.
 constexpr double kCommitEvery = 0.1;
-/// s: a peer that hears nothing for longer does not know any more that what rests still does.
+/// s: a peer that hears nothing for longer no longer relies on bodies at rest.
 /// tests/consensus/sending_test.cpp fails at a third of it and at three times as much.
 constexpr double kAliveEvery = 0.1;
-/// s: at most so often all is told again.
+/// s: shortest interval between repetitions of everything.
 constexpr double kTellAgain = 1.0;
 
-/// Of what the transport says the link bears: it has other things to carry, too.
+/// Part of the capacity reported by the transport: the link carries other traffic too.
 constexpr double kOfBorne = 0.9;
 constexpr double kBytesPerKbit = 125.0;
-/// s of the budget that may be saved up: more would only wait on the line.
+/// s of the budget that may be saved: more would only queue on the line.
 constexpr double kBurst = 0.04;
-/// At small budgets more is saved up: so many headers. With a third of them half of a budget is not
-/// used (tests/consensus/sending_test.cpp).
+/// Small budgets may save this many headers. With a third of them half of a budget is not used
+/// (tests/consensus/sending_test.cpp).
 constexpr double kSaved = 10.0;
-/// A packet of states alone is worth its headers where it is so many times as long. At a third of
-/// it copies are 23 mm apart where they have to be within 20 (tests/consensus/sending_test.cpp).
+/// A packet of states alone must be this many times as long as its headers. At a third of it copies
+/// are 23 mm apart where they have to be within 20 (tests/consensus/sending_test.cpp).
 constexpr double kWorthwhile = 6.0;
-/// Of the budget, for springs' anchors.
+/// Part of the budget for springs' anchors.
 constexpr double kAnchorPart = 0.25;
 
-// bytes, about
+// bytes, approximate
 constexpr double kMovingBytes = 27.0;
 constexpr double kRestingBytes = 14.0;
 constexpr double kOrientationBytes = 6.0;
 constexpr double kAssignmentBytes = 20.0;
 constexpr double kMessageBytes = 22.0;
 
-/// Where the state differs in kind from what the other side knows.
+/// Whether the state differs in kind from the last one sent.
 bool is_news(const UpdateFlags& a, const UpdateFlags& b) {
   return a.resting != b.resting || a.held != b.held || a.owner_driven != b.owner_driven ||
          a.leads != b.leads;
@@ -115,7 +115,7 @@ Outbox::Link& Outbox::link_to(PeerId peer) {
 
 void Outbox::send(std::span<const PeerStatus> peers, std::span<const OutgoingState> states,
                   const AnchorMessages& anchors, const Interest* interest, SessionTime now) {
-  // Times of the session never come again: no table of a predecessor has this number.
+  // Session times never recur: no predecessor's table has this number.
   if (table_ == 0) table_ = std::max(1U, static_cast<std::uint32_t>(now >> 16));
   forget_strangers(peers);
   for (const PeerStatus& status : peers) {
@@ -152,7 +152,7 @@ void Outbox::send(std::span<const PeerStatus> peers, std::span<const OutgoingSta
 }
 
 bool Outbox::has_room(const Link& link, double anchors) const {
-  // What is longer than can be saved up goes on credit.
+  // A message longer than the most that can be saved goes on credit.
   return link.kbit_per_s == 0.0 || link.anchor_room >= std::min(anchors, most_saved(link));
 }
 
@@ -162,7 +162,7 @@ double Outbox::take_anchors(Link& link, const AnchorMessages& anchors) {
   const std::size_t count = anchors.ends.size();
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t turn = (link.turn + i) % count;
-    // The last packet's headers are those of states that go with it.
+    // The last packet's headers are charged to the states that share it.
     const double headers = taken_.empty() ? 0.0 : kPacketOverhead;
     const double bytes = headers + static_cast<double>(anchors[turn].size());
     if (!has_room(link, bytes)) break;
@@ -183,7 +183,7 @@ void Outbox::refill(Link& link, SessionTime now) const {
   const double dt = std::max(0.0, seconds(now - link.last));
   link.last = now;
   if (link.kbit_per_s == 0.0) {
-    // Nothing is saved without a budget, and nothing owed where there is one later.
+    // Without a budget nothing is saved, and nothing owed if there is one later.
     link.room = link.anchor_room = 0.0;
     return;
   }
@@ -206,7 +206,7 @@ double Outbox::missed(const Sent& sent, const OutgoingState& state, SessionTime 
     const pbd::Quat expected = pbd::rotated(sent.pose.orientation, dt * sent.twist.angular);
     angle += small_angle(expected, update.pose.orientation);
   }
-  // What rests is said again where it has moved.
+  // A resting body's state is repeated if it has moved.
   if (update.flags.resting) return std::max(apart / kRestDistance, angle / kRestAngle);
   const double unit = options_.tolerance > 0.0 ? options_.tolerance : kUnit;
   return std::max(apart / unit, angle / options_.angle_tolerance);
@@ -316,7 +316,7 @@ void Outbox::choose(Link& link, std::span<const OutgoingState> states, double al
     reliable = reliable || due.reliable || unnamed(due);
   }
   if (with_headers(total, reliable) <= room) return;
-  // What goes along with something else need not be worth the headers.
+  // States that share a packet with others need not be worth its headers.
   if (along == 0.0 && room < kWorthwhile * kPacketOverhead) {
     counters_of(link).deferred += due_.size();
     due_.clear();

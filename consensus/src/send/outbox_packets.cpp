@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What is chosen becomes packets: indices, states with anchors, withdrawals.
+// Packs what was chosen: indices, states with anchors, withdrawals.
 #include <algorithm>
 
 #include "send/outbox.h"
@@ -20,9 +20,9 @@ bool Outbox::post(Link& link, Delivery delivery) {
 
 void Outbox::post_indices(Link& link, std::span<const OutgoingState> states) {
   constexpr std::size_t kRun = 256;                        // ids of one message
-  constexpr std::size_t kLongest = kIdBytes * (kRun + 1);  // bytes of it, about
+  constexpr std::size_t kLongest = kIdBytes * (kRun + 1);  // its approximate bytes
   const std::size_t most = packet_limit(transport_, Delivery::Reliable);
-  // A further message is begun where there is room for a long one, or half the packet.
+  // A further message is begun if a long one fits, or half the packet is left.
   const std::size_t least = std::min(kLongest, most / 2);
   packet_.clear();
   places_.clear();
@@ -35,7 +35,7 @@ void Outbox::post_indices(Link& link, std::span<const OutgoingState> states) {
   std::size_t i = 0;
   while (i < due_.size()) {
     ids_.clear();
-    // One in any case: where packets are too short for it, the transport says so.
+    // At least one: if packets are too short for it, the transport reports that.
     const std::size_t run = std::clamp<std::size_t>(indices_in(most - packet_.size()), 1, kRun);
     const std::uint32_t first = states[due_[i].at].index;
     for (; i < due_.size() && ids_.size() < run; ++i) {
@@ -53,7 +53,7 @@ void Outbox::post_indices(Link& link, std::span<const OutgoingState> states) {
     if (packet_.size() + least > most) flush();
   }
   flush();
-  // A state without an index belongs to nobody.
+  // A state whose index was not sent would belong to no body.
   std::erase_if(due_, [&](const Due& due) { return !link.sent[states[due.at].index].indexed; });
 }
 
@@ -93,7 +93,7 @@ void Outbox::post_states(Link& link, std::span<const OutgoingState> states,
       count = encode_compact(std::span(compact_).subspan(next), table_, most, packet_);
     } else {
       const std::size_t room = most > packet_.size() ? most - packet_.size() : 0;
-      // Beside anchors there may be room for none; a packet of its own takes what there is.
+      // If no state fits beside the anchors, the next packet has the states.
       const bool fits = packet_.empty() || room >= kHeaderBytes + kStateBytes;
       count = std::min({kMaxRecords, records_in(room, kStateBytes), places_.size() - next});
       if (!fits) count = 0;

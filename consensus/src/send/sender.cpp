@@ -11,11 +11,12 @@
 namespace tandem::consensus {
 namespace {
 
-/// s: what has been slow and in one place for so long rests. At a third of it what is
-/// damped is said to rest 4 mm short of its end (tests/consensus/sending_test.cpp).
+/// s: a body that has been slow and in one place for this long rests. At a third of it damped
+/// bodies are declared at rest 4 mm short of their end (tests/consensus/sending_test.cpp).
 constexpr double kRestsFor = 0.25;
 
-/// s: springs are told in full so often, for whom their creation has not reached; and to newcomers.
+/// s: interval at which springs are sent in full, for peers that missed their creation, and to
+/// newcomers.
 constexpr double kSpringsEvery = 2.0;
 
 }  // namespace
@@ -24,7 +25,7 @@ Sender::Sender(PeerData& data, Connections& connections, const Activity& activit
     : data_(data), connections_(connections), activity_(activity) {
   SendOptions sending = data.options.sending;
   if (!sending.selects() && sending.format == StateFormat::Full) return;
-  // Who owns a body must be heard of before it is taken for gone.
+  // An owner must be heard before it counts as gone.
   if (data.options.coupling == Coupling::SingleOwner) {
     sending.rest_refresh = std::min(sending.rest_refresh, 0.5 * data.options.influence.max_age);
   }
@@ -53,7 +54,7 @@ void Sender::send() {
   } else {
     send_all();
   }
-  send_full_state_to_new();  // of bodies the outbox tells them by itself
+  send_full_state_to_new();  // the outbox sends bodies itself
 }
 
 void Sender::send_all() {
@@ -205,7 +206,7 @@ void Sender::send_selected() {
   if (!in_full) encode_own_anchors();
   outbox_->charge(post_springs());
   outbox_->send(connections_.peers(), selectable_, anchors_, interest_, now);
-  // Afterwards: bodies that have gone are then withdrawn.
+  // Last, so that removed bodies are withdrawn first.
   constexpr std::size_t kSpareIndices = 1024;
   renew_indices(2 * data_.bodies.size() + kSpareIndices);
 }

@@ -12,41 +12,42 @@
 
 namespace tandem::consensus {
 
-/// Tells the others of own bodies and springs.
+/// Sends own bodies, springs and acts to the others.
 class Sender {
  public:
   Sender(PeerData& data, Connections& connections, const Activity& activity);
 
-  /// Where it is time.
+  /// Send if it is time.
   void send();
-  /// Send again from now on: the clock was set back.
+  /// Send from now on: the clock was set back.
   void restart() { next_send_ = data_.now; }
   /// A peer lacks indices or states.
   void tell_again(PeerId peer) {
     if (outbox_ != nullptr) outbox_->tell_again(peer, data_.now);
   }
-  /// Bodies that may be shared.
+  /// Largest number of shared bodies.
   std::size_t most_bodies() const;
   void set_interest(const Interest* interest) { interest_ = interest; }
 
  private:
   void send_all();
-  /// The states that concern each of the others.
+  /// Post to each peer the states that concern it.
   void post_states();
-  /// Those of states_ that concern a peer, into concerning_.
+  /// Collect the states of states_ that concern a peer, into concerning_.
   void collect_concerning(PeerId peer);
-  /// Tell who is new all that is to be known, reliably.
+  /// Send the full state to newcomers, reliably.
   void send_full_state_to_new();
   StateUpdate state_of(SharedBody& shared) const;
   /// Whether a body has been at rest for a while.
   bool rests(SharedBody& shared, const pbd::BodyState& state) const;
-  /// By the outbox: what is due, to each of the others.
+  /// Send what is due to each peer, by the outbox.
   void send_selected();
-  /// Into selectable_.
+  /// Fill selectable_.
   void collect_selectable();
-  /// The anchors of spring_states_ into anchors_. What is left there is to be told in full.
+  /// Encode the anchors of spring_states_ into anchors_. Springs left in it have to be sent in
+  /// full.
   void encode_own_anchors();
-  /// Springs as they are, events, and acts. @return bytes, with headers
+  /// Post springs, events and acts. @return bytes, with headers
   double post_springs();
   void renew_indices(std::size_t most);
 
@@ -54,7 +55,7 @@ class Sender {
   Connections& connections_;
   const Activity& activity_;
   const Interest* interest_ = nullptr;
-  std::unique_ptr<Outbox> outbox_;  ///< null: all in full to everybody
+  std::unique_ptr<Outbox> outbox_;  ///< null: every state in full to every peer
   SessionTime next_send_ = 0;
   SessionTime springs_told_ = 0;  ///< ns, when springs were last sent in full
 

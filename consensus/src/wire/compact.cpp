@@ -30,7 +30,7 @@ constexpr unsigned kLinearBits = 17;
 constexpr unsigned kAngularBits = 16;
 constexpr unsigned kFloatBits = 32;
 constexpr unsigned kInfluenceBits = 16;
-/// Flags that few bodies have, as pack() has them.
+/// Flags that are seldom set, as bits of pack().
 constexpr unsigned kRareBits = 4;
 constexpr unsigned kRareFrom = 1;
 
@@ -39,17 +39,17 @@ constexpr std::int32_t kHalfCell = 1 << (kPositionBits - 1);  // in quanta
 constexpr std::int32_t kMaxComponent = (1 << (kComponentBits - 1)) - 1;
 constexpr std::int32_t kMaxLinear = (1 << (kLinearBits - 1)) - 1;
 constexpr std::int32_t kMaxAngular = (1 << (kAngularBits - 1)) - 1;
-/// Squares of the three smallest components sum up to 3/4 at most; rounding adds 3 * 2 * 1/2 * half
-/// a quantum in first order.
+/// Squares of the three smallest components sum up to at most 3/4; rounding adds 3 * 2 * 1/2 * half
+/// a quantum to first order.
 constexpr double kMaxSquares = 0.75 + 1e-4;
 
-/// What the wire makes of a state. Comparable, for records say what has changed.
+/// A state as quantised on the wire. Comparable, since records contain what has changed.
 struct Lattice {
   Int3 cell = Int3::Zero();
   Int3 offset = Int3::Zero();  ///< quanta from the middle of the cell, -kHalfCell to kHalfCell - 1
   unsigned largest = 0;
   Int3 components = Int3::Zero();
-  bool fast = false;  ///< velocities are floats
+  bool fast = false;  ///< velocities are sent as floats
   Int3 linear = Int3::Zero();
   Int3 angular = Int3::Zero();
   std::uint16_t influence = 0;
@@ -57,12 +57,12 @@ struct Lattice {
 
 std::int32_t whole_of(double value) { return static_cast<std::int32_t>(std::lround(value)); }
 
-/// @param cell  kept where the position lies in it
+/// @param cell  used if the position lies in it
 Lattice to_lattice(const StateUpdate& update, const Int3& cell) {
   Lattice out;
   out.cell = cell;
   for (int k = 0; k < 3; ++k) {
-    // Multiples of a power of two: exact.
+    // Exact: multiples of a power of two.
     const std::int64_t whole = std::llround(update.pose.position[k] / kPositionQuantum);
     const auto offset_from = [whole](std::int32_t c) {
       return whole - std::int64_t{c} * (2 * kHalfCell);
@@ -78,7 +78,7 @@ Lattice to_lattice(const StateUpdate& update, const Int3& cell) {
   for (unsigned i = 1; i < 4; ++i) {
     if (std::abs(c[i]) > std::abs(c[out.largest])) out.largest = i;
   }
-  // q and -q are the same turn. A norm that is a little off must not push components out of range.
+  // q and -q are the same rotation. A slightly wrong norm must not push components out of range.
   const double scale = std::copysign(1.0 / q.norm(), c[out.largest]) / kOrientationQuantum;
   for (unsigned i = 0, k = 0; i < 4; ++i) {
     if (i != out.largest) out.components[k++] = whole_of(scale * c[i]);
@@ -118,7 +118,7 @@ bool orientation_of(unsigned largest, const Int3& components, Quat& out) {
 
 float influence_of(std::uint16_t value) { return static_cast<float>(value * kInfluenceQuantum); }
 
-/// Out of line: where g++ 12 vectorises several of these conversions at -O3, it leaves some out.
+/// Not inlined: when g++ 12 vectorises several of these conversions at -O3, it drops some.
 [[gnu::noinline]] double as_float(double value) { return static_cast<float>(value); }
 
 void round_with(const Lattice& lattice, StateUpdate& update) {
@@ -139,14 +139,14 @@ void round_with(const Lattice& lattice, StateUpdate& update) {
   update.rounded = true;
 }
 
-/// What a record is relative to.
+/// The values that a record is relative to.
 struct Before {
-  std::int32_t index = -1;  ///< of the record before
+  std::int32_t index = -1;  ///< of the preceding record
   Int3 cell = Int3::Zero();
-  std::uint16_t influence = 0;  ///< the message's
+  std::uint16_t influence = 0;  ///< that of the message
 };
 
-/// Counts what BitWriter would write.
+/// Counts the bits that BitWriter would write.
 struct BitCounter {
   unsigned bits = 0;
   void put(std::uint64_t /*value*/, unsigned count) { bits += count; }
@@ -270,7 +270,7 @@ std::size_t encode_compact(std::span<IndexedState> states, std::uint32_t table,
   write_header(out, MessageKind::CompactStates, 0);
   ByteWriter bytes(out);
   Before before;
-  // Most have the same influence as the first.
+  // Most states have the same influence as the first.
   if (check_state(states[0].update).ok()) {
     before.influence = to_lattice(states[0].update, before.cell).influence;
   }
@@ -292,7 +292,7 @@ std::size_t encode_compact(std::span<IndexedState> states, std::uint32_t table,
     write_record(record, state, lattice, before);
     const std::size_t needs = used + record.bits;
     if (start + (needs + 7) / 8 > max_bytes) break;
-    // Rounding may lead out of the range at its edge.
+    // Rounding may leave the range at its edge.
     round_with(lattice, state.update);
     if (!check_state(state.update).ok()) continue;
     write_record(bits, state, lattice, before);

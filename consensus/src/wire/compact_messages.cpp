@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What goes with states in few bits: anchors, names, signs of life.
+// Messages beside compact states: anchors, indices, Alive.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -21,7 +21,7 @@ constexpr SessionTime kMaxDelay = 0xffff;    // units
 constexpr double kMaxAnchor = 32767.0;       // m
 constexpr double kMaxAnchorSpeed = 127.0;    // m/s
 
-/// Whether an anchor has a place in a message of that stamp.
+/// Whether an anchor can be encoded in a message of that stamp.
 bool is_near(const SpringUpdate& spring, SessionTime newest) {
   return check(spring).ok() && spring.anchor_w.cwiseAbs().maxCoeff() < kMaxAnchor &&
          spring.anchor_velocity.cwiseAbs().maxCoeff() < kMaxAnchorSpeed &&

@@ -11,7 +11,7 @@
 #include "tandem/consensus/compact.h"
 #include "tandem/pbd/bytes.h"
 
-// What the parts of the codec share: update*.cpp and compact*.cpp.
+// Shared parts of the codec: update*.cpp and compact*.cpp.
 namespace tandem::consensus {
 
 enum class MessageKind : std::uint8_t {
@@ -31,7 +31,7 @@ enum class MessageKind : std::uint8_t {
 inline constexpr std::size_t kIndicesWantedBytes = 4;
 inline constexpr std::size_t kAliveBytes = 8;
 
-/// Of the components of an orientation in full: fixed-point numbers of 32 bits.
+/// For the components of a full orientation: fixed-point numbers of 32 bits.
 inline constexpr double kQuatScale = 1073741824.0;  // 2^30
 /// @pre |component| < 2
 inline std::int32_t to_fixed(double component) {
@@ -40,7 +40,7 @@ inline std::int32_t to_fixed(double component) {
 inline double from_fixed(std::int32_t value) { return value / kQuatScale; }
 
 inline constexpr std::size_t kFlags = 6;
-/// All flags, by bit. Compact states have four of them in this order as well.
+/// All flags, by bit. Four of them are also in compact states, in this order.
 inline auto by_bit(auto& flags) {
   return std::array<decltype(&flags.held), kFlags>{&flags.in_contact,   &flags.held,
                                                    &flags.owner_driven, &flags.teleported,
@@ -69,16 +69,16 @@ inline SharedId read_id(pbd::ByteReader& in) {
 
 inline CodecResult fault(PacketFault kind, const char* detail) { return {kind, detail, 0}; }
 
-/// Magic, version, kind, count.
+/// Writes magic, version, kind and count.
 void write_header(std::vector<std::byte>& out, MessageKind kind, std::size_t count);
-/// Overwrite two bytes.
+/// Overwrites two bytes.
 void put_u16(std::vector<std::byte>& out, std::size_t at, std::size_t value);
-/// check() of an anchor as a spring has it.
+/// check() of an anchor, with a spring's bounds.
 CodecResult check_anchor(const AnchorUpdate& anchor);
 /// check() without the id.
 CodecResult check_state(const StateUpdate& update);
 
-/// What follows the header of a message of `count` records; appended.
+/// Decode what follows the header of a message of `count` records; appended.
 CodecResult decode_compact(pbd::ByteReader& in, std::size_t count, std::vector<CompactState>& out);
 CodecResult decode_anchors(pbd::ByteReader& in, std::size_t count, std::vector<AnchorUpdate>& out);
 CodecResult decode_indices(pbd::ByteReader& in, std::size_t count,

@@ -12,7 +12,7 @@ namespace tandem::consensus {
 namespace {
 
 constexpr std::size_t kDigits = 32;
-/// Where the written form has hyphens, the last one first.
+/// Positions of hyphens in the written form, the last one first.
 constexpr std::array<std::size_t, 4> kHyphens = {23, 18, 13, 8};
 
 /// id * (2^88 + 0x13b) modulo 2^128, from 32-bit pieces: no 128-bit type needed.
@@ -41,7 +41,7 @@ SharedId SharedId::from_name(std::string_view name) {
 std::optional<SharedId> SharedId::parse(std::string_view text) {
   std::string digits(text);
   if (text.size() == kDigits + kHyphens.size()) {
-    // From behind, so that those in front stay where they are.
+    // From the back, so that the other positions stay valid.
     for (const std::size_t at : kHyphens) {
       if (digits[at] != '-') return std::nullopt;
       digits.erase(at, 1);

@@ -17,7 +17,7 @@ using pbd::Vec3;
 
 constexpr std::uint8_t kKnownFlags = (1U << kFlags) - 1;
 
-// One record of each kind: how it is laid out.
+// Layout of one record of each kind.
 
 void write_vec3_f32(ByteWriter& out, const Vec3& v) {
   out.f32(static_cast<float>(v.x()));
@@ -119,7 +119,7 @@ CodecResult read(ByteReader& in, OwnershipUpdate& update) {
   return check(update);
 }
 
-// What is not said is zeros, so that all records are of one length.
+// Absent fields are zeros, so that all records have one length.
 constexpr std::uint8_t kSaysPose = 1;
 constexpr std::uint8_t kSaysTwist = 2;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What may be in an update. check() looks at numbers as they arrive, so that a sender and a
-// receiver never disagree about a value at the edge of its range.
+// Range checks of updates. check() tests numbers at the precision in which they arrive, so that
+// sender and receiver agree about a value at the edge of its range.
 #include <cmath>
 
 #include "tandem/consensus/update.h"
@@ -14,20 +14,20 @@ namespace {
 using pbd::Quat;
 using pbd::Vec3;
 
-/// Norm finite and below `limit`. The details name field and rule.
+/// Checks that the norm is finite and below `limit`. The details name field and rule.
 CodecResult check_norm(const Vec3& v, double limit, const char* finite, const char* range) {
   if (!v.allFinite()) return fault(PacketFault::NotFinite, finite);
-  // Not v.norm() < limit: a square that overflows must fail as well, and does.
+  // Not v.norm() < limit: an overflowing square must fail too, and does.
   if (!(v.squaredNorm() < limit * limit)) return fault(PacketFault::OutOfRange, range);
   return {};
 }
 
-/// The same for a velocity that travels as 32-bit floats, looked at in that precision. (Not turned
-/// back into 64 bits for it: g++ 12.2 drops both conversions at -O2, which its tests show.)
+/// check_norm() for a velocity sent as 32-bit floats, tested in that precision. (Not converted back
+/// to 64 bits for it: g++ 12.2 drops both conversions at -O2, which its tests show.)
 CodecResult check_sent_norm(const Vec3& v, double limit, const char* finite, const char* range) {
   if (!v.allFinite()) return fault(PacketFault::NotFinite, finite);
   const float sent_limit = static_cast<float>(limit);
-  // Far above the limit a number may not be a float at all.
+  // A number far above the limit may not be representable as a float.
   if (!(v.cwiseAbs().maxCoeff() < 2.0 * limit)) return fault(PacketFault::OutOfRange, range);
   const Eigen::Vector3f sent = v.cast<float>();
   if (!(sent.squaredNorm() < sent_limit * sent_limit)) return fault(PacketFault::OutOfRange, range);
@@ -147,7 +147,7 @@ CodecResult check(const OwnershipUpdate& update) {
 CodecResult check(const ActUpdate& act) {
   CodecResult result = check_id(act.body);
   if (!result.ok()) return result;
-  // Else it would lead the body, and take a name, for nothing.
+  // An act without effect would lead the body, and use up a name, for nothing.
   if (!act.pose && !act.twist && act.impulse.isZero(0.0) && act.angular_impulse.isZero(0.0)) {
     return fault(PacketFault::OutOfRange, "impulse: must not be zero where nothing else is done");
   }

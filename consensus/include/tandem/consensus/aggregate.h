@@ -16,8 +16,8 @@ struct TANDEM_API PeerEstimate {
   PeerId peer = 0;
   pbd::Pose pose = {};    ///< world
   pbd::Twist twist = {};  ///< world
-  double share = 0.0;     ///< what counts now, 1 or more = an owner
-  double weight = 0.0;    ///< set by fuse(): against the local 1, or 1 per owner where there is one
+  double share = 0.0;     ///< share that counts now; 1 or more = owner
+  double weight = 0.0;    ///< set by fuse(): relative to the local 1; of owners 1 each
 };
 
 /// Fuse any number of remote states of one body into one target, [friston] Eqs. 1 and 2 with the
@@ -26,20 +26,20 @@ struct TANDEM_API PeerEstimate {
 ///   position, linear, angular:  sum w_i x_i / W, so that x + share (target - x) is Eq. 1
 ///   rotation_error:  exp(share * rotation_error) q_local = q*, the dominant eigenvector of
 ///                    q_local q_local^T + sum w_i q_i q_i^T (Eq. 2)
-///   pose.orientation:  the same mean over the remote states alone, for those who show it
+///   pose.orientation:  the mean over the remote states alone, for display
 /// One remote state at angle t turns the local one by atan2(W sin t, 1 + W cos t).
-/// Beyond 60 degrees between remote states every mean is ambiguous: the orientation is then that
-/// of the heaviest one (lowest peer id among equals) with its own weight; positions are still
-/// averaged. A distant *local* state is no reason for that: the mean is well defined up to half a
-/// turn. Where Eq. 2 leaves the answer open (two equal weights half a turn apart) the local
-/// orientation stays.
+/// If remote states are more than 60 degrees apart, their mean is ambiguous: the orientation is
+/// then that of the heaviest state (lowest peer id among equals) with its own weight; positions are
+/// still averaged. A distant local state does not matter: the mean is well defined up to half a
+/// turn. If Eq. 2 has no unique solution (two equal weights half a turn apart) the local
+/// orientation is kept.
 /// Owners (share 1) override all others and the local state: the result is their mean, share 1.
 ///
-/// The result does not depend on the order of `estimates`, which is sorted by peer (in place) and
-/// whose weights are filled in.
+/// The result does not depend on the order of `estimates`. They are sorted by peer in place, and
+/// their weights are set.
 /// @pre peers are distinct, numbers finite, orientations unit
-/// @param[out] target  all fields but `body` and `motion`; unchanged where nothing counts
-/// @return false where there is nothing to agree on: no estimate with a share above 0
+/// @param[out] target  all fields but `body` and `motion`; unchanged if the result is false
+/// @return false if no estimate has a share above 0
 /// Cost O(N^2) dot products for N estimates, no allocation. Errors: none.
 TANDEM_API bool fuse(const pbd::Pose& local, std::span<PeerEstimate> estimates,
                      pbd::PoseTarget& target);

@@ -12,33 +12,34 @@
 namespace tandem::consensus {
 
 struct TANDEM_API NearbyInterestOptions {
-  double radius = 8.0;  ///< m: a user is told of bodies up to here
-  double slack = 1.0;   ///< m: and that much further of one that he was told of
+  double radius = 8.0;  ///< m: a user receives the states of bodies within this distance
+  double slack = 1.0;   ///< m: hysteresis, added for bodies that the user already receives
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
 };
 
-/// Tells each of the others of what is near its user, of what he holds, and of what touches or is
-/// joined to what he holds.
+/// Sends each peer the bodies near its user, those the user holds, and those that touch or are
+/// joined to what the user holds.
 ///
-/// Each step, before Peer::after_step: update(). A user is where set_position() says; without that
-/// where his hand is that last held something. Who has no place is told of everything.
+/// Each step, before Peer::after_step: update(). A user's position is the one set by
+/// set_position(), or else the hand that last held something. A user without a position receives
+/// everything.
 /// @par Thread safety  One object: the thread that steps its world.
 class TANDEM_API NearbyInterest final : public Interest {
  public:
-  /// World and peer must outlive it; it becomes the peer's interest, until it goes.
+  /// World and peer must outlive it. It is the peer's interest for its lifetime.
   /// @throws std::invalid_argument (NearbyInterestOptions::validate)
   NearbyInterest(const pbd::World& world, Peer& peer, const NearbyInterestOptions& options = {});
   ~NearbyInterest() override;
   NearbyInterest(const NearbyInterest&) = delete;
   NearbyInterest& operator=(const NearbyInterest&) = delete;
 
-  /// Another peer's user is there, m, world; not finite: he has no place.
+  /// Position of another peer's user, m, world; not finite = unknown.
   void set_position(PeerId user, const pbd::Vec3& position);
-  /// That peer is gone.
+  /// Drop what is stored of a peer that has left.
   void forget(PeerId user);
-  /// A step was made: see who holds what, and what touches it.
+  /// Call after each step: finds who holds what and what touches it.
   void update();
 
   bool concerns(PeerId to, const SharedId& id, const pbd::Pose& pose) const override;

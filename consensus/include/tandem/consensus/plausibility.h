@@ -7,24 +7,24 @@
 
 namespace tandem::consensus {
 
-/// How a body may move from one state of a peer to a later one. The limits are of things that
-/// people handle, and generous; a peer within all of them may still lie.
+/// Limits on a body's motion between two states of a peer. They suit things that people handle, and
+/// are generous: a peer within them may still lie.
 struct TANDEM_API PlausibilityOptions {
   double max_speed = 200.0;  ///< m/s
-  double jump = 0.25;        ///< m: what agreement, or something hit, may do at once
+  double jump = 0.25;        ///< m: how far agreement, or a hit, may move a body at once
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
 };
 
-/// Whether a body can have come from `last` to `next`, a later state by the same sender, given
+/// Whether a body can have moved from `last` to `next`, a later state of the same sender, given
 /// nothing but their stamps: |next - last| <= jump + (2 v + v_agreed) dt + 1/2 a dt^2 with v the
-/// larger of both speeds and a = 1000 m/s^2, orientations likewise with 1 rad and 1000 rad/s^2, no
-/// hit of more than 100 m/s, no spin above 1000 rad/s, and speeds within their limit. Agreement
-/// adds up to `jump` in each 1/60 s. Cost O(1).
+/// larger of both speeds and a = 1000 m/s^2; orientations alike with 1 rad and 1000 rad/s^2; no hit
+/// of more than 100 m/s, no spin above 1000 rad/s, and speeds within their limit. Agreement adds up
+/// to `jump` in each 1/60 s. Cost O(1).
 TANDEM_API bool plausible(const StateUpdate& last, const StateUpdate& next,
                           const PlausibilityOptions& limits);
-/// What can be said of a state alone.
+/// The limits that apply to a single state.
 TANDEM_API bool plausible(const StateUpdate& state, const PlausibilityOptions& limits);
 
 }  // namespace tandem::consensus

@@ -19,67 +19,67 @@ struct TANDEM_API MotionSample {
   pbd::Twist twist = {};
 };
 
-/// The last second or so of one body of this peer.
+/// About the last second of motion of one body of this peer.
 class TANDEM_API MotionHistory {
  public:
   virtual ~MotionHistory() = default;
-  /// The body as it is now.
+  /// The present state of the body.
   virtual MotionSample newest() const = 0;
-  /// The state at a time (ns), interpolated between steps, clamped to what is known.
+  /// The state at a time (ns), interpolated between steps and clamped to the recorded interval.
   virtual MotionSample at_time(SessionTime time) const = 0;
 };
 
-/// What brings others' states to now.
+/// How remote states are brought to the present.
 enum class PredictorKind : std::uint8_t {
-  None,   ///< the state as it was stamped
-  Euler,  ///< carried on by its velocity, [friston] Eq. 3
-  /// Nothing is guessed: the mean of all states is taken at their stamps and replayed to now by the
-  /// own physics, see ReplayOptions. Where the world has no copy, and of what
-  /// a hand moves that its own peer alone knows, Euler; of owners, who answer to nobody, with their
-  /// acceleration, [friston] Sec. 3.3.
+  None,   ///< the state as stamped
+  Euler,  ///< extrapolated by its velocity, [friston] Eq. 3
+  /// Not extrapolated: the mean of all states is taken at their stamps and replayed to now by the
+  /// own physics, see ReplayOptions. Euler if the world cannot be copied, and for bodies moved by a
+  /// hand that only its own peer knows; owners' states, which answer to nobody, with their
+  /// acceleration too, [friston] Sec. 3.3.
   Replay,
 };
 
-/// What a predictor is limited by.
+/// Limits of a predictor.
 struct TANDEM_API PredictorOptions {
-  /// s: a state is carried on by its velocity no longer than this. A shorter time trades
-  /// responsiveness for stability, [friston] Sec. 3.3.
+  /// s: longest time for which a state is extrapolated. Shorter trades responsiveness for
+  /// stability, [friston] Sec. 3.3.
   double max_extrapolation = 1.0;
-  /// Of what is carried on: turn the orientation by the angular velocity. [friston]
-  /// Sec. 4.2 does not.
+  /// Whether extrapolation turns the orientation by the angular velocity. [friston] Sec. 4.2 does
+  /// not.
   bool extrapolates_orientation = true;
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
 };
 
-/// What a predictor keeps of one peer's states of one body, from update to update.
+/// A predictor's memory of one peer's states of one body, kept between updates.
 struct TANDEM_API PredictorMemory {
-  SessionTime stamp = 0;  ///< ns, of the last update taken in; 0 = none
+  SessionTime stamp = 0;  ///< ns, of the last update used; 0 = none
   pbd::Vec3 velocity = pbd::Vec3::Zero();
   pbd::Vec3 acceleration = pbd::Vec3::Zero();
   double frequency = 0.0;  ///< Hz, at which the acceleration changes
 };
 
-/// A remote state carried to now, as what the local body misses of it: target minus own.
+/// A remote state carried to now, as a correction of the local body: target minus own.
 struct TANDEM_API Prediction : pbd::Correction {
   pbd::TargetMotion motion = pbd::TargetMotion::WithBody;
 };
 
-/// What a predictor may know besides the update and the own history.
+/// What a predictor may use besides the update and the own history.
 struct TANDEM_API PredictionContext {
   SessionTime now = 0;
   pbd::Vec3 gravity = pbd::Vec3::Zero();  ///< m/s^2, on this body
-  /// Of this body and sender. Null: predictors that remember do without.
+  /// Memory for this body and sender. Null: a predictor must do without.
   PredictorMemory* memory = nullptr;
 };
 
 /// Carries a remote state to now. Stateless but for the context's memory; one object serves all
-/// bodies. An application may bring its own, see PeerOptions::own_predictor.
+/// bodies. An application may supply its own, see PeerOptions::own_predictor.
 class TANDEM_API Predictor {
  public:
   virtual ~Predictor() = default;
-  /// @param own  not empty: the newest sample is of now, and a Prediction is told against it
+  /// @param own  not empty: its newest sample is of now, and the Prediction is relative to it
   /// Called from before_step; must not throw.
   virtual Prediction predict(const StateUpdate& update, const MotionHistory& own,
                              const PredictionContext& context) const = 0;
@@ -87,8 +87,8 @@ class TANDEM_API Predictor {
   virtual bool remembers() const { return false; }
 };
 
-/// Of Replay the predictor of what is not replayed.
-/// @throws std::invalid_argument where the options are not valid
+/// For Replay, the predictor of states that are not replayed.
+/// @throws std::invalid_argument if the options are not valid
 TANDEM_API std::unique_ptr<Predictor> make_predictor(PredictorKind kind,
                                                      const PredictorOptions& options = {});
 

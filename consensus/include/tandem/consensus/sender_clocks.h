@@ -14,26 +14,26 @@
 
 namespace tandem::consensus {
 
-/// When a packet came, by the own clock, and how long to its sender and back takes, ns.
+/// Arrival of a packet by the own clock, and the round trip to its sender, ns.
 struct TANDEM_API Arrival {
   SessionTime received = 0;
   SessionTime round_trip = -1;  ///< -1: not known
 };
-/// @param peers  whom the transport knows     @param now  ns, where the transport does not say
+/// @param peers  known to the transport   @param now  ns, used if the transport reports no time
 TANDEM_API Arrival arrival_of(const Packet& packet, std::span<const PeerStatus> peers,
                               SessionTime now);
 
-/// What the clocks of others show, told from when their packets come: for sessions without a common
-/// time. All stamps of a sender are shifted by one number, so that what is stamped when it is sent
-/// is dated half a round trip before it comes. The number is the median of the last kWindow stamps
-/// (jitter goes, and what is late for once), taken over in kSettling, by at most kSlew: differences
-/// between stamps of a sender stay what they are to 1 %. In the first second of a sender it follows
-/// at once.
+/// Estimates the offset of other peers' clocks from packet arrivals: for sessions without a common
+/// time. All stamps of a sender are shifted by one offset, so that a packet is dated half a round
+/// trip before its arrival. The offset is the median of the last kWindow stamps (which removes
+/// jitter and single delays), approached with time constant kSettling and at most at kSlew:
+/// differences between stamps of a sender are kept to 1 %. In the first second of a sender the
+/// offset follows at once.
 ///
-/// The error is half of the difference between the ways there and back, which cannot be seen, and
-/// some tenths of a millisecond of jitter; what drifts is followed. A clock that is set, or a
-/// process that starts again under its id, is begun with anew after a moment in which its stamps
-/// mean nothing. Stamps are untrusted: a sender moves nothing but its own.
+/// The error is half of the difference between the delays there and back, which cannot be observed,
+/// plus some tenths of a millisecond of jitter; drift is followed. If a clock is set, or a process
+/// restarts under its id, the estimate starts over after a moment in which its stamps are
+/// meaningless. Stamps are untrusted: a sender shifts only its own.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API SenderClocks {
  public:
@@ -45,23 +45,23 @@ class TANDEM_API SenderClocks {
   static constexpr std::size_t kWindow = 128;
   static constexpr double kSettling = 2.0;  ///< s
   static constexpr double kSlew = 0.01;     ///< s per s
-  /// So many samples in a row that fit nothing before, and where they are late over so many ns (a
-  /// queue that is let go is over sooner), are of another clock.
+  /// This many samples in a row that do not fit, and if they are late for this many ns (a queue
+  /// drains sooner), belong to another clock.
   static constexpr int kAstrayCount = 8;
   static constexpr SessionTime kAstrayFor = 1'000'000'000;
-  /// ns: no round trip is longer.
+  /// ns: longer round trips are clamped.
   static constexpr SessionTime kLongestWay = 10'000'000'000;
 
-  /// A packet has come.
-  /// @param newest      ns, its newest stamp among those that are stamped when they are sent
-  /// @param received    ns, own clock
-  /// @param round_trip  ns, to the sender and back; < 0: not known, none is assumed
+  /// Register a packet.
+  /// @param newest  ns, its newest stamp among those made when sending
+  /// @param received  ns, own clock
+  /// @param round_trip  ns, to the sender and back; < 0 = unknown, taken as 0
   /// @return ns, to be added to the stamps of this sender, see shifted()
   SessionTime hear(PeerId from, SessionTime newest, SessionTime received, SessionTime round_trip);
-  /// ns, the same as the last one; nullopt where nothing was heard.
+  /// ns, the result of the last hear(); nullopt if there was none.
   std::optional<SessionTime> shift(PeerId from) const;
   void forget(PeerId from);
-  /// What one packet alone says.
+  /// The offset by one packet alone.
   static SessionTime guess(SessionTime newest, SessionTime received, SessionTime round_trip);
 
  private:
@@ -73,9 +73,9 @@ class TANDEM_API SenderClocks {
 TANDEM_API SessionTime shifted(SessionTime stamp, SessionTime shift);
 /// Shift every stamp of a packet.
 TANDEM_API void shift_stamps(DecodedPacket& packet, SessionTime shift);
-/// Newest stamp of what is stamped when it is sent: states, and words that the sender is there.
+/// Newest stamp among those made when sending: of states and Alive messages.
 TANDEM_API std::optional<SessionTime> newest_stamp(const DecodedPacket& packet);
-/// Newest stamp of everything else; 0 where there is none.
+/// Newest stamp of all other records; 0 if there are none.
 TANDEM_API SessionTime newest_stamp_of_others(const DecodedPacket& packet);
 
 }  // namespace tandem::consensus

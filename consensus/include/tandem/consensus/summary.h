@@ -10,18 +10,18 @@
 
 namespace tandem::consensus {
 
-/// Several peers' states of one body at one time as one state, whose weight is the sum of theirs:
+/// Several peers' states of one body at one time combined into one state, whose weight is the sum
+/// of theirs:
 ///   x = sum w_i x_i / W,  influence = W / (1 + W),  W = sum w_i,  w_i = s_i / (1 - s_i),
-/// positions, twists and orientations as fuse() of aggregate.h has them. Who hears it in their
-/// place comes to the same target ([friston] Eqs. 1 and 2 are sums over peers), and cannot tell it
-/// from a peer with that weight. Receivers give a state that does not lead or own a share of 0.5 at
-/// most, a weight of 1.
+/// positions, twists and orientations as in fuse() of aggregate.h. A receiver of the combined state
+/// gets the same target ([friston] Eqs. 1 and 2 are sums over peers), and cannot tell it from one
+/// peer with that weight. Receivers accept a share of at most 0.5, a weight of 1, for a state that
+/// neither leads nor owns.
 ///
-/// Where somebody leads the body the leaders' states count alone, as they do at a receiver. It
-/// rests where all say so, it is oriented where all are, and it touches, is held or has jumped
-/// where anybody says so.
-/// @pre numbers as check() wants them  @return none where there is no state, where ids or stamps
-///   differ, or where no state has a weight
+/// If a peer leads the body, only leaders' states count, as at a receiver. The result rests if all
+/// states rest, is oriented if all are, and touches, is held or has jumped if any state says so.
+/// @pre numbers as check() requires  @return none if there is no state, if ids or stamps differ, or
+/// if no state has a weight
 TANDEM_API std::optional<StateUpdate> fuse(std::span<const StateUpdate> states);
 
 }  // namespace tandem::consensus

@@ -12,7 +12,7 @@
 
 namespace tandem::consensus {
 
-/// Names one participant of a session; chosen by the application, unique, never 0.
+/// Identifies one participant of a session; chosen by the application, unique, never 0.
 using PeerId = std::uint64_t;
 
 /// Session time in ns, common to all peers.
@@ -22,24 +22,24 @@ using SessionTime = std::int64_t;
 inline constexpr std::size_t kMaxPacketBytes = 60 * 1024;
 
 enum class Delivery : std::uint8_t {
-  Newest,    ///< states: may be lost, may be dropped when a queue is full, oldest first
-  Reliable,  ///< constraints and membership: in order, resent by the transport where it can
+  Newest,    ///< states: may be lost, and dropped oldest first when a queue is full
+  Reliable,  ///< constraints and membership: in order, resent by the transport if it can
 };
 
-/// What a member may do, as far as all others are concerned: each may what those before it may.
+/// What the other peers accept from a member: each role includes those above it.
 enum class Role : std::uint8_t {
-  Watch,  ///< hear what the others say; its own states and springs count for nothing
-  Act,    ///< pull at bodies by springs, which all simulate; its states count for nothing
-  Share,  ///< say where bodies are
+  Watch,  ///< receives; its own states and springs are ignored
+  Act,    ///< also pulls at bodies by springs, which all simulate; its states are ignored
+  Share,  ///< also sends states of bodies
 };
 
 /// Bytes from one peer, exactly as that peer posted them. Untrusted.
 struct TANDEM_API Packet {
   PeerId from = 0;
   std::vector<std::byte> bytes = {};
-  /// When they came; the least value where the transport does not say.
+  /// Time of arrival; the minimum if the transport reports none.
   SessionTime received = INT64_MIN;
-  /// What its sender may do, as the transport knows it.
+  /// The sender's role, as the transport knows it.
   Role role = Role::Share;
 };
 
@@ -47,17 +47,17 @@ struct TANDEM_API Packet {
 struct TANDEM_API PeerStatus {
   PeerId id = 0;
   bool connected = false;
-  std::string reason = {};  ///< why it is not connected; empty where it is
+  std::string reason = {};  ///< why it is not connected; empty if it is
   std::uint64_t packets_in = 0;
   std::uint64_t packets_out = 0;
   std::uint64_t bytes_in = 0;
   std::uint64_t bytes_out = 0;
-  double kbit_per_s = 0.0;  ///< what the way there bears now, headers included; 0 = not known
+  double kbit_per_s = 0.0;  ///< capacity of the path now, headers included; 0 = unknown
   std::uint64_t dropped_queue_full = 0;  ///< states dropped because a queue was full
   std::uint64_t rejected = 0;            ///< frames refused: too long, wrong version, not decodable
-  std::int64_t round_trip = -1;          ///< to it and back, smoothed, ns; -1: not known
+  std::int64_t round_trip = -1;          ///< to the peer and back, smoothed, ns; -1 = unknown
   Role role = Role::Share;               ///< of the process that is or was connected
-  std::uint64_t over_budget = 0;         ///< messages refused or held back: more than a member may
+  std::uint64_t over_budget = 0;         ///< messages beyond its budget: refused or delayed
 };
 
 /// Carries bytes between peers. Faults are data (PeerStatus), never exceptions.
@@ -68,19 +68,19 @@ class TANDEM_API Transport {
   virtual ~Transport() = default;
 
   virtual PeerId self() const = 0;
-  /// Post bytes to one peer. Never waits. False where they were dropped at once (unknown peer,
-  /// not connected, too long).
+  /// Post bytes to one peer. Never blocks. False if they were dropped at once (unknown peer, not
+  /// connected, too long).
   virtual bool post(PeerId to, std::span<const std::byte> bytes, Delivery delivery) = 0;
-  /// Bytes of the longest packet that post() takes to any peer.
+  /// Bytes of the longest packet that post() accepts for any peer.
   virtual std::size_t max_packet_bytes(Delivery /*delivery*/) const { return kMaxPacketBytes; }
-  /// Append everything that has come since the last call to `out`. Never waits.
+  /// Append all packets received since the last call to `out`. Never blocks.
   virtual void drain(std::vector<Packet>& out) = 0;
-  /// Cut a peer off, with the reason for its status. It may come back only through a new handshake.
+  /// Disconnect a peer, with a reason for its status. It may return only by a new handshake.
   virtual void drop(PeerId peer, const std::string& reason) = 0;
   /// All peers ever seen in this session, by ascending id.
   virtual std::vector<PeerStatus> peers() const = 0;
-  /// The same in place of what `out` holds, whose memory is used again where a transport can: it is
-  /// asked in each step.
+  /// Like peers(), but replaces the contents of `out`, whose memory is reused if the transport can:
+  /// it is called in each step.
   virtual void list_peers(std::vector<PeerStatus>& out) const { out = peers(); }
 };
 

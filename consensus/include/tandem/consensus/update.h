@@ -16,15 +16,16 @@
 
 namespace tandem::consensus {
 
-/// What the sender knows of its instance at the stamp; predictors choose by it.
+/// Properties of the sender's instance at the stamp; predictors choose by them.
 struct TANDEM_API UpdateFlags {
   bool in_contact = false;    ///< touches or is joined to something
   bool held = false;          ///< pulled by a user's spring
   bool owner_driven = false;  ///< moved by hand, whatever the forces are
-  bool teleported = false;    ///< jumped since the last update: do not read the jump as motion
-  /// The sender's user was the last to act on it, and the only one: the sender does not listen.
+  bool teleported = false;    ///< jumped since the last update: the jump is not motion
+  /// The sender leads: its user was the last and only one to act on the body, and it ignores
+  /// others.
   bool leads = false;
-  /// It lies still, and stays where it is until the sender says otherwise: see SendOptions.
+  /// At rest, until the sender says otherwise: see SendOptions.
   bool resting = false;
 
   friend bool operator==(const UpdateFlags&, const UpdateFlags&) = default;
@@ -40,16 +41,17 @@ struct TANDEM_API StateUpdate {
   float influence = 0.0f;  ///< share per 1/60 s of session time, 0 to 1; 1 = the sender owns it
   SessionTime stamp = 0;   ///< ns, session time of the state
   UpdateFlags flags = {};
-  /// It came in the compact format: within half a quantum of what the sender has. Not sent.
+  /// Decoded from the compact format: within half a quantum of the sender's state. Not sent.
   bool rounded = false;
-  /// The orientation is said, see ShareDef::orientation. The full format always says it.
+  /// Whether the orientation is sent, see ShareDef::orientation. The full format always has it.
   bool oriented = true;
 };
 
 enum class SpringEvent : std::uint8_t { Create = 1, Change = 2, Remove = 3 };
 
 /// A user's spring between a moving point of the world and a point of a shared body; every peer
-/// simulates it. On the wire all numbers are 64-bit floats: all peers simulate the same spring.
+/// simulates it. All numbers are 64-bit floats on the wire, so that all peers simulate the same
+/// spring.
 struct TANDEM_API SpringUpdate {
   std::uint32_t spring = 0;    ///< unique per sender
   std::uint32_t revision = 0;  ///< grows with each event of this spring
@@ -66,10 +68,10 @@ struct TANDEM_API SpringUpdate {
 
 enum class OwnershipEvent : std::uint8_t { Request = 1, Grant = 2 };
 
-/// Who owns a body, between peers of Coupling::SingleOwner.
+/// Ownership messages between peers of Coupling::SingleOwner.
 struct TANDEM_API OwnershipUpdate {
   SharedId body = {};
-  PeerId to = 0;  ///< whom it is asked of, or granted to; never 0
+  PeerId to = 0;  ///< the peer asked for ownership, or granted it; never 0
   OwnershipEvent event = OwnershipEvent::Request;
   SessionTime stamp = 0;  ///< ns: when the sender's user began to act, or when it was granted
 };
@@ -79,27 +81,27 @@ struct TANDEM_API Leave {
   SessionTime stamp = 0;  ///< ns
 };
 
-/// A state whose body the sender calls by an index, see compact.h; update.id is all zeros.
+/// A state whose body is named by the sender's index, see compact.h; update.id is all zeros.
 struct TANDEM_API CompactState {
   std::uint32_t table = 0;  ///< the sender's list of indices
   std::uint16_t index = 0;
   StateUpdate update = {};
 };
 
-/// What the sender calls a body. Within one table an index never changes its meaning.
+/// The sender's index of a body. Within one table an index never changes its meaning.
 struct TANDEM_API IndexAssignment {
   std::uint32_t table = 0;
   std::uint16_t index = 0;
   SharedId id = {};
 };
 
-/// The sender does not know (any more) what was said: the names of indices, or of what rests. It
-/// asks for all of it again.
+/// The sender lacks the ids of indices, or the states of resting bodies, and asks for all of them
+/// again.
 struct TANDEM_API IndicesWanted {
   std::uint32_t table = 0;  ///< of those states
 };
 
-/// Where the anchor of a spring is that was told of in full before, see SpringUpdate.
+/// The anchor of a spring that was sent in full before, see SpringUpdate.
 struct TANDEM_API AnchorUpdate {
   std::uint32_t spring = 0;
   pbd::Vec3 anchor_w = pbd::Vec3::Zero();         ///< m, world, at the stamp
@@ -107,14 +109,14 @@ struct TANDEM_API AnchorUpdate {
   SessionTime stamp = 0;                          ///< ns
 };
 
-/// The sender is there: what it said of resting bodies still holds.
+/// The sender is present: its states of resting bodies still hold.
 struct TANDEM_API Alive {
   SessionTime stamp = 0;  ///< ns
 };
 
-/// What the sender's application has done to a shared body at once, see Peer::act(). First pose and
-/// twist are set, then the impulses are added. On the wire numbers are 64-bit floats, the
-/// orientation is as in a StateUpdate.
+/// An instantaneous act of the sender's application on a shared body, see Peer::act(). Pose and
+/// twist are set first, then the impulses are added. Numbers are 64-bit floats on the wire; the
+/// orientation is encoded as in a StateUpdate.
 struct TANDEM_API ActUpdate {
   std::uint32_t number = 0;  ///< of the sender's acts
   SharedId body = {};
@@ -126,16 +128,16 @@ struct TANDEM_API ActUpdate {
   SessionTime stamp = 0;                          ///< ns
 };
 
-/// The sender has done somebody's act at the stamp: its later states have it.
+/// The sender has done an act, its own or another's, at the stamp: its later states include it.
 struct TANDEM_API ActReceipt {
   PeerId actor = 0;
   std::uint32_t number = 0;  ///< of the actor's acts
   SharedId body = {};
-  std::uint64_t name = 0;  ///< of the act; where it is not 0 actor and number say nothing
+  std::uint64_t name = 0;  ///< of the act; if not 0, actor and number are ignored
   SessionTime stamp = 0;   ///< ns
 };
 
-/// Everything that one packet said. Reuse it: decode() keeps the capacities.
+/// All records of one packet. Reuse it: decode() keeps the capacities.
 struct TANDEM_API DecodedPacket {
   std::vector<StateUpdate> states = {};
   std::vector<SpringUpdate> springs = {};
@@ -160,8 +162,8 @@ enum class PacketFault : std::uint8_t {
   BadVersion,
   UnknownKind,
   BadCount,  ///< no records, or more than kMaxRecords
-  BadId,     ///< id of zeros
-  BadCode,   ///< bits or codes that this version does not know
+  BadId,     ///< all zeros
+  BadCode,   ///< bits or codes unknown to this version
   NotFinite,
   OutOfRange,
 };
@@ -169,8 +171,8 @@ enum class PacketFault : std::uint8_t {
 /// Whether a packet or a record is acceptable, and if not, why.
 struct [[nodiscard]] TANDEM_API CodecResult {
   PacketFault fault = PacketFault::None;
-  const char* detail = "";  ///< field and rule; lives for ever
-  std::size_t offset = 0;   ///< bytes before the message or record that is at fault
+  const char* detail = "";  ///< field and rule; a static string
+  std::size_t offset = 0;   ///< bytes before the faulty message or record
 
   bool ok() const { return fault == PacketFault::None; }
   /// "byte 106: orientation: norm must be within 1e-3 of 1"; "" where ok.
@@ -187,8 +189,8 @@ inline constexpr std::size_t kLeaveBytes = 8;
 inline constexpr std::size_t kOwnershipBytes = 33;
 inline constexpr std::size_t kActBytes = 173;
 inline constexpr std::size_t kActReceiptBytes = 44;
-/// Records of so many bytes each that fit into a message of a packet that holds nothing else; one
-/// at least, however short the packet.
+/// Records of `record_bytes` that fit into a packet with one message; at least one, however short
+/// the packet.
 constexpr std::size_t records_in(std::size_t packet_bytes, std::size_t record_bytes) {
   const std::size_t room = packet_bytes > kHeaderBytes ? packet_bytes - kHeaderBytes : 0;
   return room < record_bytes ? 1 : room / record_bytes;
@@ -196,16 +198,16 @@ constexpr std::size_t records_in(std::size_t packet_bytes, std::size_t record_by
 inline constexpr std::size_t kMaxStatesPerPacket = records_in(kMaxPacketBytes, kStateBytes);
 inline constexpr std::size_t kMaxSpringsPerPacket = records_in(kMaxPacketBytes, kSpringBytes);
 
-// Ranges outside of which a value is taken for a fault or an attack.
+// Values outside of these ranges are refused as a fault or an attack.
 inline constexpr double kMaxPosition = 1e7;          ///< m, norm, exclusive
 inline constexpr double kMaxLinearSpeed = 1e5;       ///< m/s, norm, exclusive, in 32 bits
 inline constexpr double kMaxAngularSpeed = 1e5;      ///< rad/s, norm, exclusive, in 32 bits
 inline constexpr double kMaxSpringParameter = 1e12;  ///< N/m, N s/m, N; exclusive
 inline constexpr double kMaxImpulse = 1e12;          ///< N s, N m s; norm, exclusive
-/// ns: differences of two stamps within it do not overflow. About 146 years.
+/// ns: differences of two stamps within this range do not overflow. About 146 years.
 inline constexpr SessionTime kMaxStamp = SessionTime{1} << 62;
 
-/// Whether a peer would accept this record. Exactly the test that decode() makes.
+/// Whether a peer would accept this record: the test that decode() makes.
 TANDEM_API CodecResult check(const StateUpdate& update);
 TANDEM_API CodecResult check(const SpringUpdate& update);
 TANDEM_API CodecResult check(const Leave& leave);
@@ -214,9 +216,9 @@ TANDEM_API CodecResult check(const Alive& alive);
 TANDEM_API CodecResult check(const ActUpdate& act);
 TANDEM_API CodecResult check(const ActReceipt& receipt);
 
-/// Append a message with these records to a packet (several messages above kMaxRecords records).
-/// Records that check() refuses are left out: one broken body must not make peers refuse the
-/// packet. Mind kMaxPacketBytes. No allocation once `out` is large enough.
+/// Append these records to a packet as one message, or several above kMaxRecords. Records that
+/// check() refuses are left out: one bad record must not make peers refuse the packet. Mind
+/// kMaxPacketBytes. Does not allocate once `out` is large enough.
 /// @return records appended
 TANDEM_API std::size_t encode(std::span<const StateUpdate> updates, std::vector<std::byte>& out);
 TANDEM_API std::size_t encode(std::span<const SpringUpdate> updates, std::vector<std::byte>& out);
@@ -226,9 +228,9 @@ TANDEM_API std::size_t encode(std::span<const OwnershipUpdate> updates,
 TANDEM_API std::size_t encode(std::span<const ActUpdate> acts, std::vector<std::byte>& out);
 TANDEM_API std::size_t encode(std::span<const ActReceipt> receipts, std::vector<std::byte>& out);
 
-/// Read a whole packet, one or more messages back to back. All or nothing: with a fault `out` is
-/// empty. Orientations come out normalised. Never throws on account of the bytes; no allocation
-/// once `out` has held as many records.
+/// Read a whole packet: one or more messages back to back. All or nothing: on a fault `out` is
+/// empty. Orientations are normalised. Never throws because of the bytes; does not allocate once
+/// `out` has held as many records.
 TANDEM_API CodecResult decode(std::span<const std::byte> packet, DecodedPacket& out);
 
 }  // namespace tandem::consensus
