@@ -12,10 +12,10 @@
 
 namespace tandem::net {
 
-/// Which packets have come, and when that has to be said. Times in ns.
+/// Which packets have been received, and when that has to be acknowledged. Times in ns.
 class Acknowledger {
  public:
-  /// @param wants_ack  there is something in it that the other end keeps until it is acknowledged
+  /// @param wants_ack  whether the other end keeps some of its contents until it is acknowledged
   void note(std::uint64_t sequence, bool wants_ack, std::int64_t now) {
     if (sequence > received_.latest()) latest_at_ = now;
     if (received_.fresh(sequence)) received_.note(sequence);
@@ -24,10 +24,10 @@ class Acknowledger {
     due_ = unacknowledged_ >= kEvery ? now : std::min(due_, now + kDelay);
   }
 
-  /// When an acknowledgement has to leave at the latest, INT64_MAX where none is due.
+  /// Latest time of the next acknowledgement, INT64_MAX if none is due.
   std::int64_t due() const { return due_; }
 
-  /// Appends a packet's header, which says all of it.
+  /// Appends a packet's header with the acknowledgements.
   void write(std::int64_t now, std::vector<std::byte>& out) {
     ChannelHeader header;
     if (received_.latest() != 0) {
@@ -41,7 +41,7 @@ class Acknowledger {
     due_ = INT64_MAX;
   }
 
-  /// Since the latest packet came; kNoClockDelay where it cannot be said.
+  /// Time since the latest packet came; kNoClockDelay if unknown or too long.
   std::uint32_t clock_delay(std::int64_t now) const {
     const std::int64_t delay = now - latest_at_;
     const bool known = received_.latest() != 0 && delay >= 0 && delay < std::int64_t{kNoClockDelay};
@@ -50,7 +50,7 @@ class Acknowledger {
 
  private:
   static constexpr std::int64_t kDelay = RttEstimate::kMaxAckDelay;  // a state carries it sooner
-  static constexpr int kEvery = 8;                                   // packets, whatever the time
+  static constexpr int kEvery = 8;                                   // packets
 
   ReplayWindow received_;
   std::int64_t latest_at_ = 0;

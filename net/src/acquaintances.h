@@ -12,13 +12,13 @@
 
 namespace tandem::net {
 
-/// Who has said of whom that it is connected to him: whom a datagram can be given to for him. Times
-/// in ns. Bounded, whatever members say.
+/// Which peers claim to be connected to which: candidates to relay a datagram. Times in ns.
+/// Bounded, whatever members claim.
 class Acquaintances {
  public:
   using PeerId = consensus::PeerId;
 
-  static constexpr std::int64_t kLife = 10'000'000'000;  // ns, after it was said last
+  static constexpr std::int64_t kLife = 10'000'000'000;  // ns, after the last claim
   static constexpr std::size_t kMaxPeers = 256;
   static constexpr std::size_t kMaxWitnesses = 8;  // of one peer
 
@@ -32,7 +32,7 @@ class Acquaintances {
     if (witnesses.size() < kMaxWitnesses || witnesses.contains(witness)) witnesses[witness] = now;
   }
 
-  /// What is too old is forgotten.
+  /// Drops claims that are too old.
   void expire(std::int64_t now) {
     for (auto& [peer, known] : known_) {
       std::erase_if(known.witnesses, [now](const auto& w) { return now - w.second > kLife; });
@@ -40,7 +40,7 @@ class Acquaintances {
     std::erase_if(known_, [](const auto& entry) { return entry.second.witnesses.empty(); });
   }
 
-  /// Of all that know him and that `usable` admits, the one who said so last; 0: nobody.
+  /// Among the witnesses of `peer` that `usable` accepts, the one with the latest claim; 0 = none.
   template <class Usable>
   PeerId relay(PeerId peer, Usable&& usable) const {
     const auto at = known_.find(peer);
@@ -56,12 +56,12 @@ class Acquaintances {
     return out;
   }
 
-  /// A connection to him is there or has just been lost: patience begins again.
+  /// A connection to `peer` exists or was just lost: patience begins again.
   void restart(PeerId peer, std::int64_t now) {
     if (const auto at = known_.find(peer); at != known_.end()) at->second.since = now;
   }
 
-  /// Known for so long without a connection.
+  /// Peers known for longer than `patience` without a connection.
   std::vector<PeerId> waiting(std::int64_t patience, std::int64_t now) const {
     std::vector<PeerId> out;
     for (const auto& [peer, known] : known_) {

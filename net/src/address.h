@@ -11,7 +11,7 @@
 
 namespace tandem::net {
 
-/// Where a datagram came from or goes to.
+/// Source or destination of a datagram.
 struct Address {
   std::array<std::uint8_t, 16> ip{};  // IPv6, or IPv4 mapped into it
   std::uint16_t port = 0;
@@ -25,8 +25,8 @@ inline bool is_v4(const Address& address) {
   return std::equal(kMappedPrefix.begin(), kMappedPrefix.end(), address.ip.begin());
 }
 
-/// Stands for a peer that is reached through another one: 100::/64, which is nobody's (RFC 6666),
-/// the id, and port 0, from which no datagram is taken.
+/// Stands for a peer behind a relay: 100::/64, which is discard-only (RFC 6666), the id, and port
+/// 0, from which no datagram is accepted.
 inline Address relayed_address(consensus::PeerId peer) {
   Address out;
   out.ip[0] = 1;
@@ -42,7 +42,7 @@ inline consensus::PeerId relayed_peer(const Address& address) {
   return out;
 }
 
-/// Stands for a DatagramPath by its number: 100:0:0:1::/64, likewise nobody's (RFC 9780).
+/// Stands for a DatagramPath by its number: 100:0:0:1::/64, also reserved (RFC 9780).
 inline Address path_address(std::uint64_t number) {
   Address out = relayed_address(number);
   out.ip[7] = 1;
@@ -51,8 +51,8 @@ inline Address path_address(std::uint64_t number) {
 inline bool is_path(const Address& address) { return address.port == 0 && address.ip[7] == 1; }
 inline std::uint64_t path_number(const Address& address) { return relayed_peer(address); }
 
-/// What one customer of a provider has: the first 24 bits of IPv4, the first 48 of IPv6. One peer
-/// where it stands for one.
+/// Network of one customer of a provider: the first 24 bits of IPv4, the first 48 of IPv6. For an
+/// address that stands for one peer, that peer.
 inline Address network_of(const Address& address) {
   Address out{.ip = address.ip};
   if (is_relayed(address) || is_path(address)) return out;
@@ -60,7 +60,7 @@ inline Address network_of(const Address& address) {
   return out;
 }
 
-/// Of one host, as far as can be seen: no group, not "any", with a port.
+/// Whether it looks like a host's: not multicast, not "any", with a port.
 inline bool is_host(const Address& address) {
   if (address.port == 0) return false;
   if (is_v4(address)) return address.ip[12] != 0 && address.ip[12] < 224;

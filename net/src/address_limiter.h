@@ -13,9 +13,9 @@
 
 namespace tandem::net {
 
-/// How often whom is listened to before anything is known of him. Fixed memory: addresses share
-/// 1024 buckets by a keyed hash, so that nobody can choose whose bucket he empties. An IPv6 /64 is
-/// one address, and so are all ports of a host.
+/// Limits packets of unknown senders by address. Fixed memory: addresses share 1024 buckets by a
+/// keyed hash, so that an attacker cannot choose whose bucket to empty. An IPv6 /64 is one address,
+/// and so are all ports of a host.
 class AddressLimiter {
  public:
   /// @param rate  per s and address  @param burst  at once  @param total  per s, of all addresses
@@ -28,7 +28,7 @@ class AddressLimiter {
     Bucket& bucket = buckets_[index(from)];
     fill(bucket, now, rate_, burst_);
     if (bucket.tokens < 1.0) return false;
-    // The total is asked last: whoever is over his own rate takes nothing from the others.
+    // The total is checked last: an address over its own rate takes nothing from the others.
     Bucket all{.tokens = total_, .at = total_at_};
     fill(all, now, total_rate_, total_rate_);
     total_ = all.tokens;

@@ -24,7 +24,7 @@ BoundSocket::BoundSocket(asio::io_context& context, const UdpOptions& options) :
   const Endpoint endpoint(address, options.listen_port);
   if (!error) socket_.open(endpoint.protocol(), error);
   if (!error && is_v6_) socket_.set_option(asio::ip::v6_only(false), error);
-#ifdef _WIN32  // elsewhere two sockets for datagrams share no port unless both ask for it
+#ifdef _WIN32  // elsewhere two UDP sockets share a port only if both ask for it
   if (!error) socket_.set_option(OwnPort(true), error);
 #endif
   if (!error) socket_.bind(endpoint, error);
@@ -34,7 +34,7 @@ BoundSocket::BoundSocket(asio::io_context& context, const UdpOptions& options) :
     throw socket_error(error, "UdpTransport: cannot bind " +
                                   to_string(HostPort{options.listen_address, options.listen_port}));
   }
-  // Refused sizes cost packets in bursts, nothing else.
+  // Without these sizes packets are lost in bursts, nothing else.
   socket_.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer), error);
   socket_.set_option(asio::socket_base::send_buffer_size(kSocketBuffer), error);
   forbids_fragments_ = forbid_fragments(socket_.native_handle());
@@ -44,11 +44,11 @@ void BoundSocket::send(std::span<const std::byte> datagram, const Address& to) {
   const asio::ip::address_v6 ip(to.ip);
   Endpoint endpoint(ip, to.port);
   if (!is_v6_) {
-    // Told of by somebody who has IPv6; a relay may have a way.
+    // Its sender has IPv6; a relay may reach it.
     if (!is_v4(to)) return;
     endpoint = {asio::ip::make_address_v4(asio::ip::v4_mapped, ip), to.port};
   }
-  // A full buffer, a route that is gone: the packet is lost, as packets are.
+  // Full buffer or lost route: the packet is lost.
   std::error_code ignored;
   socket_.send_to(asio::buffer(datagram.data(), datagram.size()), endpoint, 0, ignored);
 }

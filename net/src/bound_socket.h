@@ -13,20 +13,20 @@
 
 namespace tandem::net {
 
-/// A UDP socket that is bound and does not block.
+/// A non-blocking UDP socket, bound.
 class BoundSocket {
  public:
   using Endpoint = asio::ip::udp::endpoint;
 
-  /// Throws std::system_error where it cannot bind.
+  /// Throws std::system_error if it cannot bind.
   BoundSocket(asio::io_context& context, const UdpOptions& options);
 
   asio::ip::udp::socket& socket() { return socket_; }
   std::uint16_t port() const { return port_; }
-  /// Whether what is too long for the way is lost, and not sent in pieces.
+  /// Whether datagrams too long for the path are lost instead of fragmented.
   bool forbids_fragments() const { return forbids_fragments_; }
   bool reaches(const asio::ip::address& address) const { return is_v6_ || address.is_v4(); }
-  /// May be lost.
+  /// The datagram may be lost.
   void send(std::span<const std::byte> datagram, const Address& to);
 
  private:

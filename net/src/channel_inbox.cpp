@@ -41,7 +41,7 @@ bool ChannelInbox::take_message(std::vector<std::byte> message, std::int64_t now
   message.erase(message.begin());
   if (kind == MessageKind::GroupChange) {
     if (message.size() > kMaxGroupChange) return false;
-    group_change_ = std::move(message);  // a later one says all that an earlier one did
+    group_change_ = std::move(message);  // a later change supersedes an earlier one
     return true;
   }
   if (message.size() > max_message_) return false;

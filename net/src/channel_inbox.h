@@ -16,9 +16,9 @@
 
 namespace tandem::net {
 
-constexpr std::size_t kMaxToTell = 64;  // third peers that wait to be told of, or to be taken
+constexpr std::size_t kMaxToTell = 64;  // third peers that wait to be announced, or to be read
 
-/// What the other end of a connection has sent, until somebody takes it. Bounded, whatever it
+/// Contents received from the other end of a connection, until they are taken. Bounded, whatever it
 /// sends. Times in ns.
 class ChannelInbox {
  public:
@@ -28,14 +28,14 @@ class ChannelInbox {
 
   enum class Read {
     Ok,
-    Malformed,  // or no honest sender's: the connection is over
-    Full,       // the inbox or the budget is; not acknowledged, so it comes again
-    Goodbye,    // goodbye() says why
+    Malformed,  // or against the protocol: the connection ends
+    Full,       // inbox or budget: not acknowledged, so it comes again
+    Goodbye,    // goodbye() has the reason
   };
   /// Whether there is room for pieces of reliable messages.
   bool admits_pieces(std::int64_t now) { return reliable_cost_ < limit_ && budget_.admits(now); }
   Read take(const ChannelSection& section, std::int64_t now);
-  /// Reliable messages go on as the new one says; that of before.
+  /// Continue the reliable messages with `receiver`; returns the previous one.
   ReliableReceiver replace_receiver(ReliableReceiver receiver) {
     return std::exchange(receiver_, std::move(receiver));
   }
@@ -43,25 +43,25 @@ class ChannelInbox {
   struct Message {
     consensus::Delivery delivery{};
     std::vector<std::byte> bytes;
-    std::int64_t at = 0;  // when it came
+    std::int64_t at = 0;  // time of arrival
   };
-  /// Appends all that has come.
+  /// Appends all received messages.
   void drain(std::vector<Message>& out);
-  /// Empty where none has come.
+  /// Empty if none has come.
   std::vector<std::byte> take_group_change() { return std::exchange(group_change_, {}); }
-  /// Of third peers, since the last call.
+  /// Third peers announced since the last call.
   std::vector<KnownPeer> take_told() { return std::exchange(told_, {}); }
-  /// What the other end asks to hear again, and what it says again, of the last packet.
+  /// Token that the other end wants echoed, and the one that it echoes, of the last packet.
   std::optional<std::uint64_t> take_challenge() { return std::exchange(challenge_, {}); }
   std::optional<std::uint64_t> take_answer() { return std::exchange(answer_, {}); }
 
   const std::vector<std::byte>& goodbye() const { return goodbye_; }
   std::uint64_t dropped_states() const { return dropped_states_; }
-  /// What was not taken, or is to come again: the other end sends too much.
+  /// Counts messages not accepted or to be resent: the other end sends too much.
   const MemberBudget& budget() const { return budget_; }
 
  private:
-  /// A whole message of the reliable channel. False where no honest sender sends it.
+  /// A whole message of the reliable channel. False if it violates the protocol.
   bool take_message(std::vector<std::byte> message, std::int64_t now);
   void keep(consensus::Delivery delivery, std::vector<std::byte> bytes, std::int64_t now);
 

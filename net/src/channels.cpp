@@ -86,7 +86,7 @@ void Channels::write(std::uint64_t sequence, std::size_t room, std::int64_t now,
            out);
   }
 
-  // In turn, so that neither waits for ever where the rate is low; what is left over goes to both.
+  // In turn, so that neither starves at a low rate; each gets what the other leaves.
   pieces_.clear();
   const std::size_t empty = out.size();
   if (reliable_first_) (void)write_piece(end, out);
@@ -119,14 +119,14 @@ void Channels::settle(std::int64_t now) {
     mtu_.acked(bytes - kIpUdpBytes, is_probe, now);
   }
   outcome_.clear();
-  // What does not fit any more would be in the way of all that follows.
+  // Longer states would block all that follow.
   states_.drop_longer(mtu_.size() - kProtectedOverhead - kChannelHeader - kStateHeader);
 }
 
 void Channels::note_clock(const ChannelSection& section, std::int64_t now) {
   const auto sent = sent_.sent_at(packet_.header);
   if (!sent || section.clock_delay == kNoClockDelay) return;
-  // Not of an honest clock; the difference below could overflow.
+  // Not an honest clock's; the difference below could overflow.
   if (section.clock.sent <= -ClockFilter::kFarthest) return;
   exchange_ = {.sample = {.sent = *sent,
                           .their_received = section.clock.sent - section.clock_delay,
@@ -151,7 +151,7 @@ Channels::Read Channels::read(std::uint64_t sequence, std::span<const std::byte>
     if (section.kind == ChannelSection::Kind::Clock) note_clock(section, now);
     if (const Read result = inbox_.take(section, now); result != Read::Ok) return result;
   }
-  // The rest is said again anyway.
+  // Other sections are repeated anyway.
   const auto wants_ack = [](const ChannelSection& s) {
     return s.kind == ChannelSection::Kind::State || s.kind == ChannelSection::Kind::Piece ||
            s.kind == ChannelSection::Kind::Padding;

@@ -22,101 +22,101 @@
 namespace tandem::net {
 
 struct ChannelOptions {
-  std::size_t state_queue_bytes = 64 * 1024;          ///< waiting to be sent; the oldest go first
-  std::int64_t state_life = 200'000'000;              ///< ns; older ones are not sent any more
+  std::size_t state_queue_bytes = 64 * 1024;          ///< waiting; the oldest are dropped
+  std::int64_t state_life = 200'000'000;              ///< ns; older ones are dropped
   std::size_t reliable_queue_bytes = 1024 * 1024;     ///< waiting or not acknowledged
   std::size_t max_message_bytes = 64 * 1024;          ///< of a reliable message
   std::size_t receive_queue_bytes = 4 * 1024 * 1024;  ///< of either kind, not drained
 };
 
-/// The two channels of one connection and the acknowledgements that both of them need: states that
-/// may be lost, and messages that come in order, cut into pieces. Packets in, packets out; sealing
-/// and sending is someone else's. Times in ns.
+/// The two channels of one connection and their common acknowledgements: states, which may be lost,
+/// and messages, which arrive in order and are sent in pieces. Packets in, packets out, without
+/// sealing and sockets. Times in ns.
 class Channels {
  public:
-  /// @param max_datagram  the most that is tried, bytes of UDP payload
+  /// @param max_datagram  upper limit of the path MTU search, bytes of UDP payload
   Channels(const ChannelOptions& options, std::size_t max_datagram);
 
-  /// False where it does not fit into a packet of `room` plain bytes.
+  /// False if it does not fit into a packet of `room` plain bytes.
   bool post_state(std::span<const std::byte> state, std::size_t room, std::int64_t now);
 
-  /// How long datagrams may be on the way there.
+  /// Path MTU.
   const MtuSearch& mtu() const { return mtu_; }
-  /// Bytes of a datagram that is to be sent to find that out; 0: none.
+  /// Bytes of the probe to be sent; 0: none.
   std::size_t probe_due(std::int64_t now) { return mtu_.due(now); }
-  /// The plain bytes of it, in place of write(). @param datagram  probe_due()
+  /// The probe's plain bytes, in place of write(). @param datagram  probe_due()
   void write_probe(std::uint64_t sequence, std::size_t datagram, double kbit_per_s,
                    std::int64_t now, std::vector<std::byte>& out);
   bool post_reliable(std::span<const std::byte> message) { return reliable_.post(message); }
-  /// Reliably, and whatever else waits.
+  /// Sent reliably, even if the queue is full.
   void post_group_change(std::span<const std::byte> change) {
     (void)reliable_.post(change, MessageKind::GroupChange);
   }
-  /// Tell the other end where a third peer is; may be lost.
+  /// Announce a third peer's address; may be lost.
   void tell(const KnownPeer& known) {
     if (to_tell_.size() < kMaxToTell) to_tell_.push_back(known);
   }
 
-  /// Both directions of reliable messages. The next connection to the same process goes on with
-  /// them: nothing is lost, nothing comes twice.
+  /// Both directions of reliable messages. The next connection to the same process continues with
+  /// them: nothing is lost or repeated.
   struct Reliable {
     ReliableSender sender;
     ReliableReceiver receiver;
   };
   Reliable take_reliable();
   void resume(Reliable reliable);
-  /// A packet that carries none of this.
+  /// Record a packet without any of these contents.
   void note_other(std::uint64_t sequence, std::int64_t now) { sent_.sent_empty(sequence, now); }
 
-  /// The next state is small enough for `room` plain bytes, or there is none.
+  /// Whether the next state fits into `room` plain bytes, or there is none.
   bool fits(std::size_t room) const { return states_.fits(room - kChannelHeader); }
-  /// Something waits to be sent; acknowledgements alone do not count.
+  /// Whether anything but acknowledgements waits to be sent.
   bool has_content(std::int64_t now);
-  /// When an acknowledgement has to leave at the latest, INT64_MAX where none is due.
+  /// Latest time of the next acknowledgement, INT64_MAX if none is due.
   std::int64_t ack_due() const { return acknowledger_.due(); }
-  /// Appends a packet of at most `room` bytes to `out`: the acknowledgements, `clock` where there
-  /// is one, and what waits and fits.
+  /// Appends a packet of at most `room` bytes to `out`: the acknowledgements, `clock` if given, and
+  /// waiting contents that fit.
   void write(std::uint64_t sequence, std::size_t room, std::int64_t now, const ClockClaim* clock,
              std::vector<std::byte>& out);
 
   using Read = ChannelInbox::Read;
   Read read(std::uint64_t sequence, std::span<const std::byte> plain, std::int64_t now);
-  /// What has not been acknowledged in time is lost.
+  /// Counts packets that were not acknowledged in time as lost.
   void on_time(std::int64_t now);
 
   using Message = ChannelInbox::Message;
-  /// What has come.
+  /// Received contents.
   ChannelInbox& inbox() { return inbox_; }
   const ChannelInbox& inbox() const { return inbox_; }
 
-  /// What has become of packets since the last call.
+  /// Acknowledgements and losses since the last call.
   struct Feedback {
     std::uint64_t acked = 0;
     std::uint64_t acked_bytes = 0;  // on the wire
     std::uint64_t lost = 0;
-    std::uint64_t late = 0;  // were counted as lost and have come
+    std::uint64_t late = 0;  // counted as lost before
   };
   Feedback take_feedback() { return std::exchange(feedback_, {}); }
 
-  /// What the other end has said of its clock.
+  /// A clock exchange with the other end.
   struct Exchange {
     ClockSample sample;
     ClockClaim claim;
   };
-  /// The latest that has not been taken.
+  /// The latest one that was not taken.
   std::optional<Exchange> take_exchange() { return std::exchange(exchange_, {}); }
 
-  /// Round trips of before were those of another way.
+  /// Restart the round trip estimate on a new path.
   void begin_path();
 
-  /// Of all packets that were sent the last that is known to have come; 0: none.
+  /// Highest packet known to be received; 0: none.
   std::uint64_t highest_acknowledged() const { return sent_.highest_acknowledged(); }
   std::int64_t first_sent_from(std::uint64_t sequence) const {
     return sent_.first_sent_from(sequence);
   }
   const RttEstimate& rtt() const { return sent_.rtt(); }
   const ReliableSender& reliable() const { return reliable_; }
-  /// Posted and not sent, or come and not taken.
+  /// States posted and not sent, or received and not taken.
   std::uint64_t dropped_states() const { return states_.dropped() + inbox_.dropped_states(); }
   std::size_t waiting_states() const { return states_.size(); }
 
@@ -129,7 +129,7 @@ class Channels {
   StateQueue states_;
   bool reliable_first_ = true;
   ReliableSender reliable_;
-  std::vector<std::uint64_t> pieces_;  // of the packet that is being written
+  std::vector<std::uint64_t> pieces_;  // of the packet being written
   std::deque<KnownPeer> to_tell_;
   std::size_t max_datagram_;
   MtuSearch mtu_;
@@ -137,7 +137,7 @@ class Channels {
   SentPackets::Outcome outcome_;
   Feedback feedback_;
 
-  ChannelPacket packet_;  // that is being read
+  ChannelPacket packet_;  // the packet being read
   Acknowledger acknowledger_;
   ChannelInbox inbox_;
   std::optional<Exchange> exchange_;

@@ -19,8 +19,8 @@ std::int64_t reading_of() {
   return duration_cast<nanoseconds>(Clock::now().time_since_epoch()).count();
 }
 
-/// ns, of the system clock above the steady one: read between two readings of the steady clock that
-/// lie close together, as one reading may be interrupted.
+/// ns, system clock minus steady clock: read between two close readings of the steady clock, as a
+/// reading may be interrupted.
 std::int64_t system_offset() {
   std::int64_t closest = INT64_MAX, offset = 0;
   for (int reading = 0; reading < 5; ++reading) {
@@ -34,7 +34,7 @@ std::int64_t system_offset() {
   return offset;
 }
 
-/// How far `time` is after the last multiple of `step` that is not later.
+/// Distance of `time` to the last multiple of `step` at or before it.
 std::int64_t after_multiple(std::int64_t time, std::int64_t step) {
   const std::int64_t rest = time % step;
   return rest < 0 ? rest + step : rest;
@@ -73,7 +73,7 @@ void PhysicsClockOptions::validate() const {
   const auto check = [](bool ok, const char* field, std::int64_t value, const char* rule) {
     require(ok, "PhysicsClockOptions", field, value, rule);
   };
-  constexpr std::int64_t kDay = 86'400'000'000'000;  // keeps every sum below far from overflow
+  constexpr std::int64_t kDay = 86'400'000'000'000;  // keeps all sums far from overflow
   check(nominal_step > 0, "nominal_step", nominal_step, "> 0 ns");
   check(max_step >= nominal_step, "max_step", max_step, ">= nominal_step");
   check(max_step <= kDay, "max_step", max_step, "at most a day");
@@ -99,7 +99,7 @@ ClockTick PhysicsClock::advance(SessionTime now) {
     total_skipped_ += tick.skipped;
     lag -= tick.skipped;
   }
-  // Longer steps only where nominal ones, as many as allowed, would not catch up.
+  // Longer steps only if the largest number of nominal ones would not catch up.
   const std::int64_t due = lag / nominal, most = options_.max_steps_per_call;
   const std::int64_t usual =
       std::clamp((due + most - 1) / most, std::int64_t{1}, options_.max_step / nominal) * nominal;

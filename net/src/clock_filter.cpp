@@ -9,7 +9,7 @@ namespace tandem::net {
 
 namespace {
 
-constexpr std::int64_t kGrain = 1000;  // ns, what clocks and rounding may be off by
+constexpr std::int64_t kGrain = 1000;  // ns, granularity of clocks and rounding
 
 std::int64_t drifted(std::int64_t elapsed) {
   return static_cast<std::int64_t>(
@@ -29,7 +29,7 @@ bool ClockFilter::add(const ClockSample& sample) {
   const std::int64_t slack = drifted(elapsed) + kGrain;
   if (elapsed < 0 || held < 0 || held > elapsed + slack) return false;
 
-  // Theirs minus ours: at most what it looks like on the way there, at least on the way back.
+  // Theirs minus ours: bounded above by the outward trip, below by the return trip.
   const std::int64_t high = sample.their_received - sample.sent + slack;
   const std::int64_t low = sample.their_sent - sample.received - slack;
   const Kept fresh{.there = {.at = sample.sent, .offset = sample.their_received - sample.sent},
@@ -59,7 +59,7 @@ bool ClockFilter::add(const ClockSample& sample) {
 
 void ClockFilter::Ring::add(const Kept& fresh, std::int64_t now, std::int64_t period) {
   if (count_ > 0 && now - start_ < period) {
-    // In so short a time no clock drifts by what matters here.
+    // Within a period drift does not matter.
     Kept& latest = kept_[(next_ + kWindow - 1) % kWindow];
     if (fresh.there.offset < latest.there.offset) latest.there = fresh.there;
     if (fresh.back.offset > latest.back.offset) latest.back = fresh.back;
@@ -72,7 +72,7 @@ void ClockFilter::Ring::add(const Kept& fresh, std::int64_t now, std::int64_t pe
 }
 
 ClockFilter::Between ClockFilter::between(const Ring& ring, double drift, const Bound& origin) {
-  // Relative to one of them: differences are small, the readings themselves are not.
+  // Relative to one reading, as differences are small and readings are not.
   const auto moved = [&](const Bound& bound) {
     return static_cast<double>(bound.offset - origin.offset) +
            drift * static_cast<double>(origin.at - bound.at);
@@ -99,8 +99,8 @@ ClockFilter::Estimate ClockFilter::at(std::int64_t now, double drift) const {
 ClockFilter::Drifts ClockFilter::drifts() const {
   constexpr std::size_t kEnough = 4;
   if (long_.size() < kEnough) return {};
-  // Between the two lines there is more room the nearer their slope is to the drift: a function
-  // without a second peak.
+  // The room between the two lines is largest when their slope is the drift: a function with a
+  // single peak.
   const Bound origin{.at = bounds_at_, .offset = long_[0].there.offset};
   const auto room = [&](double drift) {
     const Between fits = between(long_, drift, origin);
@@ -117,7 +117,7 @@ ClockFilter::Drifts ClockFilter::drifts() const {
     }
   }
   const double best = 0.5 * (low + high);
-  // How far the lines are from where no delay would have put them, about: of so many, the best.
+  // Average distance of the lines from a delay-free exchange: among so many, the best.
   double excess = 0.0;
   for (std::size_t i = 0; i < long_.size(); ++i) {
     excess += static_cast<double>(long_[i].there.offset - long_[i].back.offset) +

@@ -8,8 +8,8 @@
 
 namespace tandem::net {
 
-/// Four readings of one exchange, ns: sent here, had there, answered there, had here. The first and
-/// the last are of the own clock, the others are what the other end says of its own.
+/// Four readings of one exchange, ns: sent here, received there, answered there, received here. The
+/// first and the last are of the own clock, the others of the other end's, as reported.
 struct ClockSample {
   std::int64_t sent = 0;
   std::int64_t their_received = 0;
@@ -17,38 +17,38 @@ struct ClockSample {
   std::int64_t received = 0;
 };
 
-/// How far another clock is ahead of the own one, from the exchanges with its owner. Of each period
-/// the fastest way there and the fastest way back are kept, each by itself; the offset lies between
-/// two lines through the best of either. What is certain is an interval, kept over all exchanges
-/// and wider by kMaxDrift of what passes. docs/protocol.md ("Session time").
+/// Offset of another clock from the own one, by exchanges with its owner. In each period the
+/// fastest outward and the fastest return trip are kept separately; the offset lies between two
+/// lines through the best of each. The certain bound is an interval over all exchanges, widened by
+/// kMaxDrift over time. docs/protocol.md ("Session time").
 class ClockFilter {
  public:
   static constexpr double kMaxDrift = 250e-6;  // between two crystals, each good to 100 ppm
   static constexpr std::size_t kWindow = 64;
-  static constexpr std::int64_t kLongPeriod = 1'000'000'000;  // the same for drifts()
-  static constexpr std::int64_t kPeriod = 100'000'000;        // ns, for which the best is kept
-  /// No reading of an honest clock is beyond; sums of these do not overflow.
+  static constexpr std::int64_t kLongPeriod = 1'000'000'000;  // kPeriod for drifts()
+  static constexpr std::int64_t kPeriod = 100'000'000;        // ns, interval for the best
+  /// Bound on readings of honest clocks; sums of these do not overflow.
   static constexpr std::int64_t kFarthest = std::int64_t{1} << 60;
 
-  /// False where no clock that keeps to kMaxDrift gives this: nothing remains of what was known,
-  /// this exchange is the first again (or is left out, where it contradicts itself).
+  /// False if no clock within kMaxDrift can give this sample: the filter is reset and starts with
+  /// it (or skips it, if it contradicts itself).
   bool add(const ClockSample& sample);
 
   bool any() const { return recent_.size() > 0; }
-  /// When the last exchange ended that was not left out.
+  /// End of the last exchange that was not skipped.
   std::int64_t latest() const { return bounds_at_; }
   std::size_t size() const { return recent_.size(); }
 
   struct Estimate {
     std::int64_t offset = 0;  // ns, theirs minus ours
-    std::int64_t low = 0;     // the offset is not below this,
-    std::int64_t high = 0;    // nor above that
+    std::int64_t low = 0;     // lower bound of the offset
+    std::int64_t high = 0;    // upper bound of the offset
   };
-  /// At the own time `now`, not long after the last exchange. Only where any().
+  /// At the own time `now`, soon after the last exchange. @pre any()
   /// @param drift  of the offset, ns per ns, as far as it is known
   Estimate at(std::int64_t now, double drift) const;
-  /// Drifts that fit what came in the last minute, of which the truth is one in all likelihood. All
-  /// of +-kMaxDrift where there is not enough yet.
+  /// Drifts compatible with the exchanges of the last minute; the true one is very likely among
+  /// them. All of +-kMaxDrift until there are enough.
   struct Drifts {
     double least = -kMaxDrift;
     double most = kMaxDrift;
@@ -62,11 +62,11 @@ class ClockFilter {
     std::int64_t offset = 0;
   };
   struct Kept {
-    Bound there;  // the offset is at most this,
-    Bound back;   // and at least that
+    Bound there;  // upper bound of the offset
+    Bound back;   // lower bound of the offset
   };
 
-  /// The best of each period, a window of them.
+  /// The best of each period, for a window of periods.
   class Ring {
    public:
     void add(const Kept& fresh, std::int64_t now, std::int64_t period);
@@ -80,8 +80,8 @@ class ClockFilter {
     std::int64_t start_ = 0;
   };
   struct Between {
-    double most = 0.0;   // what is there at `origin` by the ways there, as if it was `drift`
-    double least = 0.0;  // and by the ways back
+    double most = 0.0;   // offset at `origin` by outward trips, extrapolated with `drift`
+    double least = 0.0;  // offset by return trips
   };
   static Between between(const Ring& ring, double drift, const Bound& origin);
 

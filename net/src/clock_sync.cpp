@@ -14,18 +14,18 @@ using consensus::PeerId;
 
 namespace {
 
-constexpr SessionTime kLatestSession = SessionTime{1} << 62;  // as consensus takes it
-constexpr double kPull = 4e9;    // ns, in which a distance shrinks to a third
-constexpr double kLetGo = 10e9;  // ns, in which the pace of a reference that has gone is given up
-constexpr std::int64_t kDriftPeriod = 1'000'000'000;  // ns, from one look at the drift to the next
-constexpr std::int64_t kTolerance = 2'000'000;        // ns, beside the bounds: clocks under way
-constexpr std::int64_t kClaimLife = 5'000'000'000;    // ns, for which its rate is believed
+constexpr SessionTime kLatestSession = SessionTime{1} << 62;  // bound in consensus
+constexpr double kPull = 4e9;    // ns, time constant for closing the distance
+constexpr double kLetGo = 10e9;  // ns, time constant for giving up a lost reference's rate
+constexpr std::int64_t kDriftPeriod = 1'000'000'000;  // ns, interval of drift estimates
+constexpr std::int64_t kTolerance = 2'000'000;        // ns, beside the bounds: clocks in transition
+constexpr std::int64_t kClaimLife = 5'000'000'000;    // ns, for which a claimed rate is believed
 
 std::int64_t scaled(double rate, std::int64_t elapsed) {
   return static_cast<std::int64_t>(std::llround(rate * static_cast<double>(elapsed)));
 }
 
-/// Nobody who is followed needs more than his own clock's error.
+/// An honest reference needs no more than its own clock's error.
 double believed(std::int32_t rate) {
   return std::clamp(1e-9 * rate, -ClockFilter::kMaxDrift, ClockFilter::kMaxDrift);
 }
@@ -48,7 +48,7 @@ void ClockSync::set_correction(std::int64_t correction, std::int64_t now) {
 
 void ClockSync::on_exchange(PeerId peer, const ClockSample& sample, const ClockClaim& claim) {
   PeerClock& clock = peers_[peer];
-  // Sums and differences of these do not overflow.
+  // Keeps sums and differences of these from overflow.
   const bool sane = claim.sent > -ClockFilter::kFarthest && claim.sent < ClockFilter::kFarthest &&
                     claim.correction > -kLatestSession && claim.correction < kLatestSession &&
                     claim.sent + claim.correction > -ClockFilter::kFarthest &&
@@ -57,7 +57,7 @@ void ClockSync::on_exchange(PeerId peer, const ClockSample& sample, const ClockC
     ++faults_;
     return;
   }
-  // Where the filter has begun anew the exchange counts as well.
+  // An exchange that resets the filter counts too.
   if (!clock.filter.add(sample)) ++faults_;
   if (!clock.filter.any() || clock.filter.latest() != sample.received) return;
   clock.claim = claim;
@@ -68,7 +68,7 @@ ClockSync::Candidate ClockSync::candidate(PeerId peer, const PeerClock& clock,
                                           std::int64_t now) const {
   const ClockClaim& claim = clock.claim;
   const double rate = believed(claim.rate);
-  // Who is in the session goes at its pace, and so do we but for the drift.
+  // Peers in the session run at its rate, and so do we but for the drift.
   const auto estimate = clock.filter.at(now, drift_ - rate);
   const std::int64_t age =
       std::clamp<std::int64_t>(now + estimate.offset - claim.sent, 0, kClaimLife);
@@ -103,7 +103,7 @@ ClockSync::Candidate ClockSync::choose(std::int64_t now) const {
       return c.low - kTolerance <= other.high && other.low <= c.high + kTolerance;
     });
   };
-  // Sorted by id, and the first of the largest.
+  // Sorted by id: the first of the largest.
   return *std::ranges::max_element(candidates, {}, votes);
 }
 
@@ -123,7 +123,7 @@ void ClockSync::follow(const Candidate& reference, std::int64_t now) {
     const PeerClock& clock = peers_.at(reference.peer);
     const auto fits = clock.filter.drifts();
     const double rate = believed(clock.claim.rate);
-    // No further than what was seen demands.
+    // No further than the exchanges require.
     constexpr double kMax = 2.0 * ClockFilter::kMaxDrift;
     drift_ = std::clamp(std::clamp(drift_, fits.least + rate, fits.most + rate), -kMax, kMax);
     drift_due_ = now + kDriftPeriod;
@@ -152,8 +152,8 @@ void ClockSync::update(std::int64_t now) {
   reference_ = reference.peer;
   if (follow_) {
     if (is_self) {
-      // On from here, as fast as it went, and by and by as fast as the own clock goes: nobody's
-      // claims are followed longer than he is. Others have taken this time over: no jump any more.
+      // Continue at the present rate and slowly return to the own clock's: claims are not followed
+      // beyond their peer's presence. Others have taken over this time: no more jumps.
       jumped_ |= together;
       if (updated_ != INT64_MIN) {
         drift_ *= pbd::portable::exp(
@@ -190,7 +190,7 @@ ClockClaim ClockSync::claim(std::int64_t now) const {
 }
 
 ClockStatus ClockSync::status(std::int64_t now) {
-  // Since the last update clocks may have gone apart by what they may drift.
+  // Since the last update clocks may have drifted apart.
   const std::int64_t since = updated_ == INT64_MIN ? 0 : std::max<std::int64_t>(now - updated_, 0);
   const bool is_reference = reference_ == self_;
   return {.now = this->now(now),

@@ -6,7 +6,7 @@
 
 namespace tandem::net {
 
-/// When the other end of a connection is told of the own clock: in a packet that leaves anyway, or
+/// When to send the own clock to the other end of a connection: in a packet that leaves anyway, or
 /// alone, more often at the beginning. Never before begin(). Times in ns.
 class ClockTurns {
  public:

@@ -14,7 +14,7 @@ bool ConnectionPath::may_move_to(const Address& address) const {
 
 void ConnectionPath::on_elsewhere(const Address& from, std::uint64_t sequence, std::size_t bytes,
                                   const crypto::Random& random, std::int64_t now) {
-  // Only the newest packet says where a peer is: what is older was overtaken, or held back.
+  // Only the newest packet shows where a peer is: an older one was overtaken, or held back.
   if (link_->is_newest() && (!moving_ || moving_->address() != from)) {
     moving_.emplace(from, sequence, random_token(random), now);
   }
@@ -24,7 +24,7 @@ void ConnectionPath::on_elsewhere(const Address& from, std::uint64_t sequence, s
 void ConnectionPath::on_read(const Address& from, const SendDatagram& send, std::int64_t now) {
   ChannelInbox& inbox = link_->channels().inbox();
   if (const auto token = inbox.take_challenge()) {
-    // On the way on which the question came: it is that way that is asked about.
+    // Answered on the path of the challenge, as it tests that path.
     const auto sealed = link_->seal_answer(*token, now);
     if (!sealed.empty()) send(sealed, from);
     if (direct_ && from != direct_->address()) direct_->exclude_before(link_->next_sequence());
@@ -46,7 +46,7 @@ void ConnectionPath::poll_rumour(const SendDatagram& send, std::int64_t now) {
   if (!rumour_) return;
   if (rumour_->is_over(now)) return rumour_.reset();
   if (now < next_due(now)) return;
-  // No token: whether it is there, the question shows that it asks when it has this.
+  // No token: if the peer is there, its challenge follows this one.
   const auto sealed = link_->seal_challenge(kNoToken, now);
   if (!sealed.empty()) send(sealed, rumour_->address());
   rumour_->asked(now);
@@ -87,7 +87,7 @@ bool ConnectionPath::poll(const SendDatagram& send, const crypto::Random& random
   }
   if (now < question_due_ || !moving_->due(UdpConnection::kQuestionBytes, now)) return false;
   question_due_ = now + PathValidation::kResend;
-  // Whoever is still where it was answers from there.
+  // A peer that has not moved answers from its old address.
   if (moving_->is_first()) {
     const auto sealed = link_->seal_challenge(kNoToken, now);
     if (!sealed.empty()) send(sealed, address_);
@@ -103,7 +103,7 @@ void ConnectionPath::follow(std::int64_t now) {
   const Address old = std::exchange(address_, moving_->address());
   moving_.reset();
   rumour_.reset();
-  // Another port alone is the same way, through the same NAT (RFC 9000, Sec. 9.4).
+  // A new port on the same address is the same path, through the same NAT (RFC 9000, Sec. 9.4).
   if (old.ip != address_.ip) link_->begin_path(now);
 }
 

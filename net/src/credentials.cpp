@@ -9,7 +9,7 @@ namespace tandem::net {
 
 namespace {
 
-/// Of one hash: the label keeps the work from being good for anything else.
+/// Work test of one hash; the label makes the work useless for anything else.
 bool enough(std::array<std::uint8_t, 8 + 8 + 15>& message, const crypto::PublicKey& key,
             std::uint64_t stamp) {
   for (int i = 0; i < 8; ++i) message[8 + i] = static_cast<std::uint8_t>(stamp >> (8 * i));

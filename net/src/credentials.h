@@ -15,22 +15,22 @@
 
 namespace tandem::net {
 
-/// How a member stands to others: what a transport has to know of whoever is at the other end.
+/// A member as seen by a transport.
 struct Member {
   crypto::PublicKey key{};
   Role role = Role::Share;
-  /// The id is that key's alone: listed, signed by the organiser, or derived from the key. Of any
-  /// other id the one who has it now keeps it for as long as he is there.
+  /// The id belongs to this key alone: listed, signed by the organiser, or derived from the key.
+  /// Any other id is kept by its present user while present.
   bool bound = false;
   std::int64_t expires = INT64_MAX;  // s since 1970
 };
 
-/// Who this process is, whom it lets in, and as what. Where public keys are listed, or there is an
-/// organiser, those that are listed or hold his certificate; else whoever has the session key and
-/// has done some work for the id that he goes by.
+/// Who this process is, which peers it admits, and in which role. With listed public keys or an
+/// organiser, those listed or with a certificate; otherwise any peer that has the session key and
+/// has done the work for its id.
 ///
-/// A made-up id costs its maker 2^kWorkBits hashes, which is several times what the curve
-/// arithmetic of a handshake costs us; checking it is one.
+/// A made-up id costs its maker 2^kWorkBits hashes, several times the curve arithmetic of a
+/// handshake; checking it costs one.
 struct Credentials {
   static constexpr int kWorkBits = 14;
   static constexpr std::size_t kFormerKeys = 3;
@@ -40,18 +40,18 @@ struct Credentials {
   std::map<consensus::PeerId, crypto::PublicKey> trusted;
   std::optional<Key> organiser;         // public
   std::vector<std::byte> certificate;   // our own; empty: none
-  std::uint64_t stamp = 0;              // the work for our own id
+  std::uint64_t stamp = 0;              // work for our own id
   std::function<std::int64_t()> today;  // s since 1970; null: the system clock
 
-  /// By what the organiser has sent since, see GroupChange.
+  /// State set by the organiser's messages, see GroupChange.
   std::uint64_t group = 0;              // its number
   std::vector<std::byte> group_change;  // signed
-  std::vector<crypto::Secret> former;   // session keys, the latest first
+  std::vector<crypto::Secret> former;   // former session keys, the latest first
   std::vector<crypto::PublicKey> revoked;
 
-  /// Do the work for an id where there is none yet.
+  /// Do the work for an id, if it is missing.
   void complete(consensus::PeerId self);
-  /// What to say beside the id.
+  /// What to send beside the id.
   Badge badge() const;
 
   struct Answer {
@@ -61,18 +61,18 @@ struct Credentials {
   Answer judge(consensus::PeerId peer, const crypto::PublicKey& key, const Badge& badge,
                std::uint64_t session) const;
   bool is_revoked(const crypto::PublicKey& public_key) const;
-  /// Whether what was a member still is.
+  /// Whether a member still is one.
   bool stands(const Member& member) const;
 
   std::size_t key_count() const { return 1 + former.size(); }
-  /// 0: the one that counts; then those before it. Members come back with them.
+  /// 0: the key in force; then former ones, with which members come back.
   const crypto::Secret& key(std::size_t index) const {
     return index == 0 ? session_key : former[index - 1];
   }
 
   enum class Changed {
     Yes,
-    Known,   // this one or a later one is there
+    Known,   // this change or a later one is in force
     Forged,  // or without an organiser, or of another session
   };
   Changed change(std::span<const std::byte> signed_change, std::uint64_t session);
@@ -80,7 +80,7 @@ struct Credentials {
   std::int64_t now() const;
 };
 
-/// What TcpOptions and UdpOptions say of it alike.
+/// From the options that TcpOptions and UdpOptions share.
 template <class Options>
 Credentials credentials_of(const Options& options, const Key& session_key) {
   Credentials out{.session_key = crypto::Secret(session_key),
@@ -95,7 +95,7 @@ Credentials credentials_of(const Options& options, const Key& session_key) {
   return out;
 }
 
-/// The number with which hashing id and key gives kWorkBits zero bits.
+/// Number for which the hash of id and key has kWorkBits zero bits.
 std::uint64_t work_for(consensus::PeerId peer, const crypto::PublicKey& key);
 bool has_worked(consensus::PeerId peer, const crypto::PublicKey& key, std::uint64_t stamp);
 

@@ -38,7 +38,7 @@ Secret::Secret(std::span<const std::uint8_t, kKeyBytes> bytes) {
 bool operator==(const Secret& a, const Secret& b) { return equal(a.bytes_, b.bytes_); }
 
 void initialise() {
-  // It remembers itself that it was called, and may be called by several threads.
+  // sodium_init() is idempotent and thread-safe.
   if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
 }
 

@@ -123,7 +123,7 @@ bool forbid_fragments(NativeSocket socket) {
     return ::setsockopt(socket, level, name, reinterpret_cast<const char*>(&value), sizeof value) ==
            0;
   };
-  // A socket for IPv6 sends to IPv4 as well.
+  // An IPv6 socket also sends to IPv4.
 #if defined(__linux__)
   (void)set(IPPROTO_IPV6, IPV6_MTU_DISCOVER, IPV6_PMTUDISC_PROBE);
   return set(IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_PROBE);
@@ -157,7 +157,7 @@ bool attach_filter(NativeSocket socket, std::uint16_t prefix) {
       {BPF_JMP | BPF_JEQ | BPF_K, 2, 3, kMagicRead},
       {BPF_LD | BPF_H | BPF_ABS, 0, 0, kReceiverTop},
       {BPF_JMP | BPF_JEQ | BPF_K, 0, 1, top},
-      {BPF_RET | BPF_K, 0, 0, 0xffff},  // take it all
+      {BPF_RET | BPF_K, 0, 0, 0xffff},  // accept
       {BPF_RET | BPF_K, 0, 0, 0},       // drop
   }};
   const sock_fprog program{.len = static_cast<unsigned short>(code.size()), .filter = code.data()};

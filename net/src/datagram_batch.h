@@ -17,19 +17,19 @@ using NativeSocket = std::uintptr_t;  // SOCKET
 using NativeSocket = int;
 #endif
 
-/// Datagrams read from a socket that does not block, many with one call where the system can
-/// (recvmmsg), one with each elsewhere.
+/// Datagrams read from a non-blocking socket: many per call if the system can (recvmmsg), otherwise
+/// one.
 class DatagramBatch {
  public:
   static constexpr std::size_t kCount = 64;
-  static constexpr std::size_t kBytes = 1500;  // of each; longer ones are cut, and too long anyway
+  static constexpr std::size_t kBytes = 1500;  // of each; longer ones are invalid
 
   DatagramBatch();
   ~DatagramBatch();
   DatagramBatch(const DatagramBatch&) = delete;
   DatagramBatch& operator=(const DatagramBatch&) = delete;
 
-  enum class Read { Some, Nothing, Error };  // Error: of something that was sent; read on
+  enum class Read { Some, Nothing, Error };  // Error: of an earlier send; read on
   Read read(NativeSocket socket);
 
   std::size_t size() const;
@@ -41,13 +41,13 @@ class DatagramBatch {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Makes datagrams leave in one piece or not at all, whatever the kernel believes of the way. False
-/// where it cannot: then their longest length cannot be found out.
+/// Forbids fragmentation of sent datagrams, and ignores the kernel's path MTU. False if it cannot:
+/// then the path MTU cannot be found.
 bool forbid_fragments(NativeSocket socket);
 
-/// Lets the kernel drop, before it wakes anybody, what cannot be for this socket: neither a
-/// handshake by its first bytes nor a packet for a receiver number of this `prefix` (its upper
-/// half). False where the kernel cannot; then they are dropped here.
+/// Lets the kernel drop datagrams that are not for this socket: neither a handshake by its first
+/// bytes nor a packet for a receiver number with this `prefix` (upper half). False if the kernel
+/// cannot; then they are dropped here.
 bool attach_filter(NativeSocket socket, std::uint16_t prefix);
 
 }  // namespace tandem::net

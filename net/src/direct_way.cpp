@@ -13,7 +13,7 @@ std::uint64_t random_token(const crypto::Random& random) {
 void DirectWay::want(bool wanted, UdpConnection& link, std::int64_t now) {
   if (wanted == wanted_) return;
   wanted_ = wanted;
-  // Who comes and goes does not make it ask more often.
+  // Toggling must not increase the rate of challenges.
   const std::int64_t rest = rest_;
   if (!wanted && state_ != State::Search) fall(link, now);
   rest_ = rest;
@@ -90,7 +90,7 @@ void DirectWay::search(UdpConnection& link, const SendDatagram& send, const cryp
   }
   ++asks_;
   ask_due_ = now + kAskEvery;
-  // One that has answered is asked alone.
+  // Once an address has answered, only that one is asked.
   if (proofs_ > 0) return ask(address_, link, send, random, now);
   for (const Address& address : offered_) ask(address, link, send, random, now);
 }

@@ -7,8 +7,8 @@
 
 namespace tandem::net {
 
-/// Whether so many datagrams are of no use that more should be let come together before they are
-/// looked at: one call and one awakening for many. Times in ns.
+/// Detects floods of useless datagrams: then reading waits for more of them, which saves calls and
+/// wake-ups. Times in ns.
 class FloodGauge {
  public:
   void count_useless() { ++useless_; }
@@ -22,12 +22,12 @@ class FloodGauge {
   }
 
  private:
-  static constexpr std::size_t kMax = 100;             // datagrams in
+  static constexpr std::size_t kMax = 100;             // datagrams per kWindow
   static constexpr std::int64_t kWindow = 10'000'000;  // ns
 
   std::int64_t window_start_ = 0;
-  std::size_t useless_ = 0;  // since then
-  bool before_ = false;      // flooded in the window before
+  std::size_t useless_ = 0;  // since window_start_
+  bool before_ = false;      // whether the window before was flooded
 };
 
 }  // namespace tandem::net

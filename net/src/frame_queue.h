@@ -20,10 +20,10 @@ struct QueuedFrame {
   consensus::SessionTime received = INT64_MIN;  // system clock, ns
 };
 
-/// What a frame counts in a queue's limit: the payload and about what keeping it takes.
+/// Cost of a frame in a queue's limit: its payload and approximate overhead.
 constexpr std::size_t queue_cost(std::size_t payload_bytes) { return payload_bytes + 64; }
 
-/// Frames in order, with their cost.
+/// Frames in order, with their total cost.
 class FrameQueue {
  public:
   bool empty() const { return frames_.empty(); }
@@ -67,7 +67,8 @@ class FrameQueue {
     });
   }
 
-  /// Drops the oldest states until the cost is at most `limit` or none is left; how many it was.
+  /// Drops the oldest states until the cost is at most `limit` or none is left; returns their
+  /// number.
   std::uint64_t shed_states(std::size_t limit) {
     std::uint64_t dropped = 0;
     while (cost_ > limit) {

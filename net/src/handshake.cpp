@@ -14,13 +14,12 @@ namespace {
 
 constexpr std::int64_t kFirstResend = 250'000'000;  // ns, doubled each time
 constexpr std::int64_t kLastResend = 1'000'000'000;
-constexpr int kProofsBeforeAsking = 3;  // the cookie may have become too old
+constexpr int kProofsBeforeAsking = 3;  // after these the cookie may have expired
 constexpr double kProofRate = 4.0;      // per s and address
 constexpr double kProofBurst = 16.0;
 constexpr double kProofTotal = 1000.0;  // per s
 
-/// Both ends hash what they believe to be doing. The cookie binds the proof to who asked for it,
-/// when, and from where.
+/// Hashed by both ends. The cookie binds the proof to the responder, the time and the address.
 std::vector<std::uint8_t> udp_prologue(std::uint64_t nonce, const Cookie& cookie) {
   constexpr std::string_view kLabel = "tandem udp";
   std::vector<std::uint8_t> out(kLabel.begin(), kLabel.end());
@@ -45,7 +44,7 @@ Introduction introduce(const HandshakeConfig& config, std::uint32_t receiver) {
           .badge = config.badge()};
 }
 
-/// What each end checks of the other.
+/// Check of the other end.
 Credentials::Answer judge(const HandshakeConfig& config, const Introduction& other,
                           const crypto::PublicKey& key) {
   auto out = config.judge(other.peer, key, other.badge, config.scene_hash);
@@ -190,8 +189,8 @@ HandshakeResponder::Result HandshakeResponder::on_datagram(std::span<const std::
   }
   if (packet->type == HandshakeType::Hello) {
     ++counters_.challenged;
-    // Without a limit, since anybody could use up that of another address: an answer costs one hash
-    // and is shorter than the question. With our version, whatever theirs is.
+    // Not limited, since anybody could use up another address's limit: an answer costs one hash and
+    // is shorter than the question. It has our version, whatever theirs is.
     encode({.type = HandshakeType::Challenge,
             .nonce = packet->nonce,
             .cookie = make_cookie(now, packet->nonce, from)},
@@ -227,7 +226,7 @@ std::optional<HandshakeResponder::Proof> HandshakeResponder::open(
 HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket& packet,
                                                            const Address& from, std::int64_t now) {
   std::erase_if(half_open_, [now](const HalfOpen& entry) { return now >= entry.until; });
-  // The same again: our answer was lost.
+  // A repeated message: our answer was lost.
   for (const HalfOpen& entry : half_open_) {
     if (entry.from == from && entry.nonce == packet.nonce &&
         std::ranges::equal(entry.first_message, packet.noise)) {
@@ -240,8 +239,8 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
     ++counters_.bad_proof;
     return {};
   }
-  // Only who receives at an address and has a session key can use up a limit: the others have cost
-  // a few hashes so far, the rest is curve arithmetic.
+  // Only a sender that receives at its address and has a session key can use up a limit. All others
+  // have cost a few hashes so far; curve arithmetic follows.
   if (!proofs_.allow(from, now)) {
     ++counters_.limited;
     return {};
@@ -249,7 +248,7 @@ HandshakeResponder::Result HandshakeResponder::on_initiate(const HandshakePacket
   const Introduction& remote = proof->remote;
   const auto answer = judge(config_, remote, proof->first.remote);
   Verdict verdict = answer.verdict;
-  if (verdict == Verdict::NoWork) {  // no answer: it would be work of ours for none of his
+  if (verdict == Verdict::NoWork) {  // no answer: it would cost us work and the sender none
     ++counters_.refused;
     return {};
   }

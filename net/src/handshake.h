@@ -20,7 +20,7 @@
 
 namespace tandem::net {
 
-/// Who this process is, and whom it trusts. Times are ns of any clock that does not go back.
+/// Identity and trust of this process. Times are ns of any monotonic clock.
 struct HandshakeConfig : Credentials {
   consensus::PeerId self = 0;
   std::uint64_t incarnation = 0;
@@ -28,41 +28,41 @@ struct HandshakeConfig : Credentials {
   std::uint32_t idle_timeout_ms = 5000;
 };
 
-/// What a handshake leaves: keys of this connection alone, and who is at the other end.
+/// Result of a handshake: keys of this connection, and the identity of the other end.
 struct Session {
   Introduction remote;
   Member member;
   crypto::Secret send;
   crypto::Secret receive;
-  std::uint32_t local_receiver = 0;  // on packets that come
+  std::uint32_t local_receiver = 0;  // on incoming packets
 };
 
-/// Asks one address. Give it what comes from there, send what poll() returns. The proof is made for
-/// one cookie, and so for one responder, one address and a few seconds: recorded, it proves nothing
-/// to anybody else and nothing later.
+/// Handshake with one address. Pass it what comes from there, and send what poll() returns. The
+/// proof is bound to one cookie, and so to one responder, one address and a few seconds: a
+/// recording is useless elsewhere or later.
 class HandshakeInitiator {
  public:
   static constexpr std::int64_t kTimeout = 5'000'000'000;  // ns
   enum class State { Asking, Proving, Done, Refused, TimedOut };
 
-  /// @param key  which of the config's session keys, see Credentials::key
+  /// @param key  index of the session key, see Credentials::key
   HandshakeInitiator(const HandshakeConfig& config, const crypto::Random& random,
                      std::uint32_t local_receiver, std::int64_t now, std::size_t key = 0);
 
-  /// The datagram that is due, empty where none is. Valid until the next call.
+  /// The datagram that is due, empty if none is. Valid until the next call.
   std::span<const std::byte> poll(std::int64_t now);
-  /// Not of this handshake, forged, late: nothing happens.
+  /// Datagrams of other handshakes, forged or late ones are ignored.
   void on_datagram(std::span<const std::byte> datagram, std::int64_t now);
 
   State state() const { return state_; }
   std::uint32_t receiver() const { return local_receiver_; }
-  /// In State::Done.
+  /// @pre State::Done
   const Session& session() const { return *session_; }
-  /// In State::Refused, and by whom.
+  /// In State::Refused, with the refusing peer.
   Verdict verdict() const { return verdict_; }
   consensus::PeerId refused_by() const { return refused_by_; }
-  /// Why not, as far as is known. What was not authenticated ("another version") is said here and
-  /// never believed: it goes on until kTimeout.
+  /// Reason for the lack of success so far. An unauthenticated reason ("another version") is
+  /// reported but not believed: the handshake continues until kTimeout.
   const std::string& reason() const { return reason_; }
 
  private:
@@ -89,19 +89,18 @@ class HandshakeInitiator {
   std::string reason_;
 };
 
-/// Answers strangers: questions, all of them, by a cookie that costs no memory, and proofs, where a
-/// cookie shows that the stranger receives at his address and the session key that he is a member,
-/// by a session.
+/// Answers strangers: a question by a cookie, which costs no memory; a proof by a session, if the
+/// cookie shows that the sender receives at its address and the session key that it is a member.
 class HandshakeResponder {
  public:
   static constexpr std::int64_t kCookieLife = 5'000'000'000;    // ns
   static constexpr std::int64_t kHalfOpenLife = 5'000'000'000;  // ns
-  /// What is answered a second time where the first answer was lost: 0.8 s at 300 a second.
+  /// Repeated answers, in case the first one was lost: 0.8 s at 300 a second.
   static constexpr std::size_t kMaxHalfOpen = 256;
 
-  /// What else is to be said about a member; asked last.
+  /// Application's verdict on a member; called last.
   using Decide = std::function<Verdict(const Introduction&, const Member&, const Address&)>;
-  /// A number for packets of a new session, not in use, never 0.
+  /// An unused receiver number for a new session, never 0.
   using NextReceiver = std::function<std::uint32_t()>;
 
   HandshakeResponder(const HandshakeConfig& config, const crypto::Random& random, Decide decide,
@@ -109,13 +108,13 @@ class HandshakeResponder {
 
   struct Result {
     std::span<const std::byte> reply;  // never longer than the datagram; valid until the next call
-    /// Set once for each session. Not confirmed: the other end might be a recording, and nothing
-    /// that exists may give way to it before a packet of it has been opened.
+    /// Set once for each session. Unconfirmed: the other end might be a recording, and nothing may
+    /// give way to it before a packet of it has been opened.
     std::optional<Session> session;
   };
   Result on_datagram(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
 
-  /// All but `unknown`: no datagram of a connection comes here.
+  /// All but `unknown`: packets of connections do not come here.
   const UdpStrangers& counters() const { return counters_; }
   std::uint64_t accepted() const { return accepted_; }
   std::size_t half_open() const { return half_open_.size(); }
@@ -136,7 +135,7 @@ class HandshakeResponder {
     NoiseResponder::First first;
     Introduction remote;
   };
-  /// By the session key, or by one before it, of whoever has missed a change.
+  /// With the session key, or a former one for a member that has missed a change.
   std::optional<Proof> open(const HandshakePacket& packet) const;
   Result on_initiate(const HandshakePacket& packet, const Address& from, std::int64_t now);
 

@@ -34,7 +34,7 @@ std::optional<HandshakePacket> decode_handshake(std::span<const std::byte> datag
   packet.version = reader.u16();
   packet.nonce = reader.u64();
   if (reader.failed()) return {};
-  // Whatever the version: a short question gets no answer.
+  // For any version: a short question gets no answer.
   if (packet.type == HandshakeType::Hello) {
     return datagram.size() == kHelloBytes ? std::optional(packet) : std::nullopt;
   }

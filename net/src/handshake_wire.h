@@ -14,9 +14,10 @@
 
 namespace tandem::net {
 
-// The four datagrams of a handshake, little-endian; docs/protocol.md has the tables. All begin with
+// The four datagrams of a handshake, little-endian; docs/protocol.md has the tables. In every
+// version they begin with
 //   u8 type,  u32 magic,  u16 version,  u64 nonce of the initiator
-// and keep that in every version, so that a disagreement can be explained.
+// so that a mismatch can be reported.
 
 constexpr std::uint32_t kUdpMagic = 0x55444e54;  // "TNDU"
 constexpr std::uint16_t kUdpVersion = 4;
@@ -39,27 +40,27 @@ struct HandshakePacket {
 
 /// Replaces `datagram`.
 void encode(const HandshakePacket& packet, std::vector<std::byte>& datagram);
-/// None where it is no handshake. Of another version only type, version and nonce are set.
+/// None if it is no handshake. For another version only type, version and nonce are set.
 std::optional<HandshakePacket> decode_handshake(std::span<const std::byte> datagram);
 
 enum class Verdict : std::uint8_t {
   Welcome = 0,
   SceneDiffers = 1,
   SameId = 2,      // both ends have the same peer id
-  NotTrusted = 3,  // that peer has another public key, or none
+  NotTrusted = 3,  // the peer has another public key, or is not listed
   Full = 4,
-  OnHold = 5,     // dropped a moment ago
-  Outdated = 6,   // a later process of the same peer is there
-  NotSigned = 7,  // no certificate of the organiser for that id and key
-  Expired = 8,    // it was signed for a time that is over
-  Revoked = 9,    // the organiser has taken it back
+  OnHold = 5,     // dropped recently
+  Outdated = 6,   // a later process of the same peer is connected
+  NotSigned = 7,  // no certificate of the organiser for id and key
+  Expired = 8,    // the certificate has expired
+  Revoked = 9,    // by the organiser
   NoWork = 10,    // the work for the id is missing
-  Taken = 11,     // somebody with another key goes by that id
-  Unbound = 12,   // nothing but the relay's word says whose id it is
+  Taken = 11,     // another key uses the id
+  Unbound = 12,   // behind a relay, without proof of the id
 };
 const char* describe(Verdict verdict);
 
-/// What shows that an id may be gone by, see Credentials. Always as long.
+/// Proof of the right to an id, see Credentials. Fixed length.
 struct Badge {
   std::uint64_t stamp = 0;
   std::array<std::byte, kCertificateBytes> certificate{};  // zeros: none
@@ -70,15 +71,15 @@ struct Badge {
 constexpr std::size_t kBadgeBytes = 8 + kCertificateBytes;
 
 void encode(const Badge& badge, std::vector<std::byte>& out);
-/// None where it is of another length.
+/// None if the length is wrong.
 std::optional<Badge> decode_badge(std::span<const std::byte> bytes);
 
-/// What each end says about itself, sealed.
+/// What each end reports about itself, sealed.
 struct Introduction {
   consensus::PeerId peer = 0;
   std::uint64_t incarnation = 0;
   std::uint64_t scene_hash = 0;
-  std::uint32_t receiver = 0;  // to be written on packets to it; 0 where it refuses
+  std::uint32_t receiver = 0;  // receiver number for packets to it; 0 if it refuses
   std::uint32_t idle_timeout_ms = 0;
   Verdict verdict = Verdict::Welcome;  // of the responder
   Badge badge;

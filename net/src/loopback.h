@@ -10,7 +10,8 @@
 
 namespace tandem::net {
 
-/// IPv4 addresses seen through an IPv6 socket become plain ones, so that one peer has one spelling.
+/// Converts IPv4 addresses seen through an IPv6 socket to plain ones, so that a peer has one
+/// spelling.
 inline asio::ip::address plain(const asio::ip::address& address) {
   if (address.is_v6() && address.to_v6().is_v4_mapped()) {
     return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
@@ -27,7 +28,7 @@ inline std::array<std::uint8_t, 16> to_bytes(const asio::ip::address& address) {
 
 inline bool is_loopback(const asio::ip::address& address) { return plain(address).is_loopback(); }
 
-/// Of a numeric address, or of the one name whose addresses are known.
+/// For a numeric address, or "localhost".
 inline bool is_loopback(const std::string& host) {
   if (host == "localhost") return true;
   std::error_code error;

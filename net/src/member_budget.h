@@ -9,8 +9,8 @@
 
 namespace tandem::net {
 
-/// How many messages a member may hand over, and how many bytes. Nine hundred bodies in full, 60
-/// times a second, are 4400 datagrams and 5 MB a second.
+/// Limits messages and bytes of a member. Nine hundred bodies in full, 60 times a second, are 4400
+/// datagrams and 5 MB a second.
 class MemberBudget {
  public:
   static constexpr double kMessages = 16384.0;              // a second
@@ -19,22 +19,22 @@ class MemberBudget {
   static constexpr double kBytesAtOnce = 1024.0 * 1024.0;
   static constexpr const char* kReason = "sends more than a member may: 16384 messages or 16 MiB/s";
 
-  /// Whether one more may come in. Times in ns.
+  /// Whether one more message may be accepted. Times in ns.
   bool admits(std::int64_t now) {
     return messages_.fill(now) ? bytes_.admits(now) : messages_.admits(now);
   }
-  /// The same, where nothing waits that would be refused.
+  /// The same, but without counting a refusal.
   bool has(std::int64_t now) {
     const bool messages = messages_.fill(now);
     return bytes_.fill(now) && messages;
   }
-  /// It has.
+  /// Charge one message.
   void spend(std::size_t bytes) {
     messages_.spend(1.0);
     bytes_.spend(static_cast<double>(bytes));
   }
   std::uint64_t refused() const { return messages_.refused() + bytes_.refused(); }
-  /// Over it again and again for as long as pbd::TokenBucket::kPatience.
+  /// Whether it was over its budget for as long as pbd::TokenBucket::kPatience.
   bool abused() const { return messages_.abused() || bytes_.abused(); }
 
  private:

@@ -14,7 +14,7 @@ namespace tandem::net {
 
 namespace {
 
-// What is signed begins with what it is, so that neither passes for the other.
+// Signed messages begin with their type, so that one cannot pass for another.
 constexpr std::string_view kCertificate = "tandem certificate 1";
 constexpr std::string_view kGroupChange = "tandem group change 1";
 constexpr std::string_view kDerivedId = "tandem peer id";
@@ -39,7 +39,7 @@ void append_signature(std::string_view label, const Key& organiser, std::vector<
   body.insert(body.end(), bytes.begin(), bytes.end());
 }
 
-/// What has been signed, without the signature.
+/// The signed part, without the signature.
 std::optional<std::span<const std::byte>> signed_body(std::string_view label, const Key& organiser,
                                                       std::span<const std::byte> bytes) {
   if (bytes.size() < crypto::kSignatureBytes) return {};
@@ -133,7 +133,7 @@ std::vector<std::byte> sign(const GroupChange& change, const Key& organiser) {
 std::optional<GroupChange> read_group_change(std::span<const std::byte> bytes,
                                              const Key& organiser_public) {
   crypto::initialise();
-  // Before the arithmetic.
+  // Checked before the arithmetic.
   constexpr std::size_t kLongest = kChangeHead + kMaxRevoked * 32 + crypto::kSignatureBytes;
   if (bytes.size() > kLongest) return {};
   const auto body = signed_body(kGroupChange, organiser_public, bytes);

@@ -10,27 +10,26 @@
 
 namespace tandem::net {
 
-/// How long datagrams may be on one way: RFC 8899 (DPLPMTUD), docs/protocol.md. Probes are padded
-/// packets that are acknowledged like others, one at a time. Sizes are bytes of UDP payload, times
-/// ns.
+/// Path MTU discovery: RFC 8899 (DPLPMTUD), docs/protocol.md. Probes are padded packets,
+/// acknowledged like others, one at a time. Sizes are bytes of UDP payload, times ns.
 class MtuSearch {
  public:
-  static constexpr std::size_t kMin = 548;    ///< goes everywhere: an IPv4 MTU of 576
-  static constexpr std::size_t kBase = 1200;  ///< to begin with, as in QUIC
-  static constexpr std::size_t kFine = 16;    ///< how exactly it is found
-  static constexpr int kTries = 3;            ///< MAX_PROBES: lost so often, a size is too long
-  static constexpr std::int64_t kRaise = 600'000'000'000;  ///< PMTU_RAISE_TIMER: another search
-  /// Packets lost in a row, none as long having come since: their size is asked about. A bottleneck
-  /// loses four of five as well (tests/net/connection_test.cpp).
+  static constexpr std::size_t kMin = 548;    ///< works everywhere: an IPv4 MTU of 576
+  static constexpr std::size_t kBase = 1200;  ///< initially, as in QUIC
+  static constexpr std::size_t kFine = 16;    ///< precision of the result
+  static constexpr int kTries = 3;            ///< MAX_PROBES: losses after which a size is too long
+  static constexpr std::int64_t kRaise = 600'000'000'000;  ///< PMTU_RAISE_TIMER: next search
+  /// Packets lost in a row, with none of their length received since, that put the size in doubt. A
+  /// bottleneck too loses four of five (tests/net/connection_test.cpp).
   static constexpr std::size_t kDoubt = 6;
 
   /// @param most  >= kMin
   explicit MtuSearch(std::size_t most) : most_(most) { begin(std::min(kBase, most), most); }
 
-  /// The longest datagram that is sent.
+  /// The longest datagram to send.
   std::size_t size() const { return size_; }
 
-  /// Bytes of the probe that is due; 0: none.
+  /// Bytes of the due probe; 0: none.
   std::size_t due(std::int64_t now) {
     if (flying_ != 0) return 0;
     if (is_in_doubt()) return size_;
@@ -51,26 +50,26 @@ class MtuSearch {
     }
   }
 
-  /// Something has come from the other end: the way is there.
+  /// The other end was heard: the path works.
   void heard() { heard_ = true; }
-  /// Not of probes.
+  /// For packets other than probes.
   void lost(std::size_t bytes) {
-    // Longer ones than are sent now are known to be lost.
+    // Longer ones than the present size are known to be lost.
     if (bytes > kMin && bytes <= size_ && !is_in_doubt()) lost_[lost_count_++] = bytes;
   }
   void probe_lost(std::int64_t now) {
     if (std::exchange(flying_, 0) == 0 || !heard_) return;
     if (++tries_ < kTries) return;
     if (!is_in_doubt()) return narrow(next_ - 1, now);
-    // A black hole (RFC 8899, Sec. 4.3). All begins below.
+    // A black hole (RFC 8899, Sec. 4.3). Start again from below.
     lost_count_ = 0;
     begin(kMin, most_);
     next_ = std::min(kBase, most_);
     due_at_ = now;
   }
-  /// Also of probes; after the losses that the same acknowledgement shows.
+  /// Probes included; call after the losses of the same acknowledgement.
   void acked(std::size_t bytes, bool is_probe, std::int64_t now) {
-    // What is no longer than this was not lost for its length.
+    // Packets no longer than this were not lost for their length.
     const auto end = lost_.begin() + static_cast<std::ptrdiff_t>(lost_count_);
     const bool doubted = is_in_doubt();
     lost_count_ = static_cast<std::size_t>(
@@ -84,7 +83,7 @@ class MtuSearch {
   }
 
  private:
-  static constexpr double kSpacing = 10.0 * 8e6;  // ns, for each byte at 1 kbit/s
+  static constexpr double kSpacing = 10.0 * 8e6;  // ns per byte at 1 kbit/s
 
   bool is_in_doubt() const { return lost_count_ == lost_.size(); }
   void begin(std::size_t size, std::size_t end) {
@@ -92,12 +91,12 @@ class MtuSearch {
     end_ = next_ = end;
     tries_ = 0;
   }
-  /// Longer ones than `end` do not fit.
+  /// Set the longest size that may fit.
   void narrow(std::size_t end, std::int64_t now) {
     end_ = end;
     tries_ = 0;
     if (end_ == most_) {
-      next_ = most_;  // the longest first: on most ways it is good
+      next_ = most_;  // the longest first: most paths carry it
     } else {
       next_ = end_ - size_ < kFine ? size_ : size_ + (end_ - size_ + 1) / 2;
     }
@@ -107,13 +106,13 @@ class MtuSearch {
   std::size_t most_;
   std::size_t size_ = 0;
   std::size_t end_ = 0;   // longer ones do not fit
-  std::size_t next_ = 0;  // to be tried; no longer than size_: nothing
+  std::size_t next_ = 0;  // next size to probe; at most size_: none
   int tries_ = 0;
-  std::size_t flying_ = 0;  // bytes of the probe that is on its way; 0: none
-  bool heard_ = false;      // since it was sent
+  std::size_t flying_ = 0;  // bytes of the outstanding probe; 0: none
+  bool heard_ = false;      // since the probe was sent
   std::int64_t due_at_ = INT64_MIN;
   std::array<std::size_t, kDoubt>
-      lost_{};  // lengths, of those as long as which none has come since
+      lost_{};  // lengths of lost packets, with none as long received since
   std::size_t lost_count_ = 0;
 };
 

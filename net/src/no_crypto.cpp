@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// In place of crypto.cpp in builds without libsodium.
+// Replaces crypto.cpp in builds without libsodium.
 #include <algorithm>
 #include <stdexcept>
 
@@ -21,7 +21,7 @@ bool is_available() { return false; }
 void initialise() { refuse(); }
 void wipe(std::span<std::uint8_t> bytes) { std::fill(bytes.begin(), bytes.end(), std::uint8_t{0}); }
 
-// Whatever needs one of these has called initialise() before.
+// Unreachable: initialise() is called before these.
 using Octets = std::span<const std::uint8_t>;
 Secret::Secret(std::span<const std::uint8_t, kKeyBytes> /*bytes*/) { refuse(); }
 bool operator==(const Secret& /*a*/, const Secret& /*b*/) { refuse(); }

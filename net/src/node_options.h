@@ -7,7 +7,7 @@
 
 namespace tandem::net {
 
-/// Who a node is, whom it lets in and how its connections go. What is about sockets is left out.
+/// Identity, admission and connection options of a node; those of sockets are left out.
 /// @throws std::invalid_argument (UdpOptions::validate)
 UdpNodeOptions node_options(const UdpOptions& options);
 

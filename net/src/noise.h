@@ -12,8 +12,8 @@
 
 namespace tandem::net {
 
-/// What both ends of a handshake have hashed and mixed so far: the SymmetricState of the Noise
-/// Protocol Framework, revision 34, with 25519, ChaChaPoly and BLAKE2b.
+/// Transcript hash and keys of a handshake: the SymmetricState of the Noise Protocol Framework,
+/// revision 34, with 25519, ChaChaPoly and BLAKE2b.
 class NoiseState {
  public:
   NoiseState(std::string_view protocol, std::span<const std::uint8_t> prologue);
@@ -26,7 +26,7 @@ class NoiseState {
   std::optional<std::vector<std::uint8_t>> decrypt_and_hash(std::span<const std::uint8_t> sealed);
 
   struct Keys {
-    crypto::Secret initiator;  // seals what the initiator sends
+    crypto::Secret initiator;  // for packets of the initiator
     crypto::Secret responder;
   };
   Keys split() const;
@@ -38,11 +38,11 @@ class NoiseState {
   std::uint64_t counter_ = 0;
 };
 
-/// Noise_IXpsk0: both ends know the session key, each tells its static public key under it, and in
-/// the end each knows that the other has the secret of that key.
+/// Noise_IXpsk0: both ends know the session key and send their static public keys under it; in the
+/// end each knows that the other has the secret of its key.
 ///   -> psk, e, s      <- e, ee, se, s, es
-/// The initiator is authenticated by the first packet under the keys, not by its message: that one
-/// may be a recording.
+/// The initiator is authenticated by its first packet under the keys, not by its message, which may
+/// be a recording.
 class NoiseInitiator {
  public:
   NoiseInitiator(const crypto::Secret& psk, const crypto::KeyPair& own,
@@ -55,7 +55,7 @@ class NoiseInitiator {
     crypto::PublicKey remote{};
     std::vector<std::uint8_t> payload;
   };
-  /// Leaves this object as it was where the message is none of the other end's.
+  /// Leaves this object unchanged if the message is not the other end's.
   std::optional<Result> second_message(std::span<const std::uint8_t> message) const;
 
  private:
@@ -72,14 +72,14 @@ class NoiseResponder {
     crypto::PublicKey remote{};
     std::vector<std::uint8_t> payload;
   };
-  /// Symmetric work only. Once.
+  /// Symmetric work only. Call it once.
   std::optional<First> first_message(std::span<const std::uint8_t> message);
 
   struct Result {
     NoiseState::Keys keys;
     std::vector<std::uint8_t> message;
   };
-  /// After first_message(). None where the other's keys are bad.
+  /// After first_message(). None if the other's keys are bad.
   std::optional<Result> second_message(const crypto::KeyPair& own, const crypto::Random& random,
                                        std::span<const std::uint8_t> payload);
 

@@ -8,7 +8,7 @@
 
 namespace tandem::net {
 
-/// The same bytes as the crypto functions want them.
+/// The same bytes, as the crypto functions take them.
 inline std::span<const std::uint8_t> octets(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
 }

@@ -12,14 +12,14 @@
 
 namespace tandem::net {
 
-/// What is to go to one peer, and what has gone and may have to go again: Reliable frames are kept
-/// until they are acknowledged, over any number of connections to the same process.
+/// Frames for one peer: waiting, and Reliable ones until they are acknowledged, over any number of
+/// connections to the same process.
 class OutgoingFrames {
  public:
   /// Makes room for `bytes` more by dropping the oldest states; their number is added to `dropped`.
-  /// False where that is not enough.
+  /// False if that is not enough.
   bool make_room(std::size_t bytes, std::size_t limit, std::uint64_t& dropped) {
-    // Frames that are written but not acknowledged take memory as well.
+    // Frames written and not acknowledged count too.
     const std::size_t needed = queue_cost(bytes) + unacked_.cost();
     const std::size_t room = limit - std::min(needed, limit);
     dropped += waiting_.shed_states(room);
@@ -32,7 +32,7 @@ class OutgoingFrames {
   }
 
   bool empty() const { return waiting_.empty(); }
-  /// The next frame is being written: `write(frame)` says whether it was, else it is left out.
+  /// Writes the next frame: `write(frame)` returns whether it did; otherwise the frame is dropped.
   template <class Write>
   void write_next(Write&& write) {
     QueuedFrame frame = waiting_.pop();
@@ -42,16 +42,16 @@ class OutgoingFrames {
   }
 
   bool has_written(std::uint64_t sequence) const { return sequence <= last_written_; }
-  /// The peer has all up to this number.
+  /// The peer has received all up to this number.
   void acknowledge(std::uint64_t sequence) {
     while (!unacked_.empty() && unacked_.front().sequence <= sequence) unacked_.pop();
   }
-  /// A new connection to the same process, which has all up to this number: the rest goes again.
+  /// A new connection to the same process, which has all up to this number: the rest is sent again.
   void go_on_after(std::uint64_t sequence) {
     acknowledge(sequence);
     while (!unacked_.empty()) waiting_.push_front(unacked_.pop_back());
   }
-  /// States are stale by the time the peer is back; what was posted as Reliable is kept for that.
+  /// States are stale by the time the peer is back; Reliable messages are kept for it.
   void drop_states() { waiting_.keep_reliable(); }
   void clear() {
     waiting_.clear();
@@ -61,7 +61,7 @@ class OutgoingFrames {
  private:
   FrameQueue waiting_;
   FrameQueue unacked_;               // Reliable, written
-  std::uint64_t last_sequence_ = 0;  // given to a Reliable frame
+  std::uint64_t last_sequence_ = 0;  // last number assigned to a Reliable frame
   std::uint64_t last_written_ = 0;
 };
 

@@ -6,9 +6,9 @@
 
 namespace tandem::net {
 
-/// Set before a port is bound. A program that starts again gets its port although connections of
-/// its predecessor linger. On Windows it does so anyway, and "reuse" would let another program
-/// share the port: there this keeps it from that.
+/// Set before binding a port. A restarted program gets its port although connections of its
+/// predecessor linger. Windows allows that anyway, and its "reuse" would let another program share
+/// the port: there this option prevents it.
 #ifdef _WIN32
 using OwnPort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
 #else

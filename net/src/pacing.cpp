@@ -44,7 +44,7 @@ void Congestion::update(const Channels::Feedback& feedback, const RttEstimate& r
 }
 
 bool Congestion::is_high(double loss, double packets) const {
-  // Of twenty packets that are lost at 5 % each, three are in every thirteenth period.
+  // Of twenty packets with 5 % loss, three are lost in every thirteenth period.
   const bool first = series_rate_ == 0.0;
   const double chance = first ? 1.5 * std::sqrt(kHigh * (1.0 - kHigh) / packets) : 0.0;
   return loss > std::max(kHigh + chance, overlooked_);
@@ -58,7 +58,7 @@ void Congestion::on_loss(double sent, double arrived, double packets, std::int64
     series_sent_ = sent;
     series_arrived_ = arrived;
     probes_ = false;
-    return;  // for once it may be chance
+    return;  // once may be chance
   }
   if (!probes_) {
     series_loss_ = std::max(series_loss_, loss_);
@@ -68,7 +68,7 @@ void Congestion::on_loss(double sent, double arrived, double packets, std::int64
     rate_ = std::min(rate_, kProbe * series_sent_);
     return;
   }
-  // What was on its way when the probe began counts as well: a little above it.
+  // Packets in flight when the probe began count too: slightly above it.
   if (sent <= 1.1 * kProbe * series_sent_ && arrived <= 0.8 * series_arrived_) {
     rate_ = series_rate_;
     probes_ = false;

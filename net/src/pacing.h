@@ -13,8 +13,8 @@
 
 namespace tandem::net {
 
-/// How much may be sent when: a token bucket in bits. A datagram may leave while the bucket is not
-/// empty and may overdraw it, so over any time T no more leaves than rate * T + burst + a datagram.
+/// Token bucket in bits. A datagram may leave while the bucket is not empty, and may overdraw it:
+/// over any time T at most rate * T + burst + one datagram leaves.
 class Pacer {
  public:
   Pacer(double kbit_per_s, std::int64_t now) : at_(now) { set_rate(kbit_per_s, now); }
@@ -34,7 +34,7 @@ class Pacer {
   void spend(std::size_t datagram_bytes) {
     tokens_ -= 8.0 * static_cast<double>(datagram_bytes + kIpUdpBytes);
   }
-  /// When ready() will be true again.
+  /// When ready() becomes true.
   std::int64_t next(std::int64_t now) {
     fill(now);
     return tokens_ > 0.0 ? now : now + 1 + static_cast<std::int64_t>(-tokens_ / rate_ * 1e6);
@@ -61,20 +61,20 @@ struct CongestionOptions {
   double max_kbit = 256.0;  ///< the budget; also where it starts
 };
 
-/// Chooses the rate of a link between its limits, once a period, from loss and delay. The rules are
-/// in docs/protocol.md ("Rate"): those on loss are of Google's congestion control
-/// (draft-ietf-rmcat-gcc-02, Sec. 6), the one on delay is simpler, and the one on loss that is not
-/// ours is our own.
+/// Sets the rate of a link within its limits, once a period, from loss and delay. Rules in
+/// docs/protocol.md ("Rate"): those on loss are from Google's congestion control
+/// (draft-ietf-rmcat-gcc-02, Sec. 6), the one on delay is simpler, and the one on loss by other
+/// traffic is our own.
 class Congestion {
  public:
   Congestion(const CongestionOptions& options, std::int64_t now)
       : options_(options), rate_(options.max_kbit), period_start_(now) {}
 
-  /// @param held_back  the pacer made something wait
+  /// @param held_back  whether the pacer has delayed something
   void update(const Channels::Feedback& feedback, const RttEstimate& rtt, bool held_back,
               std::int64_t now);
   double rate() const { return rate_; }
-  /// Share of packets lost in the last period.
+  /// Fraction of packets lost in the last period.
   double loss() const { return loss_; }
 
  private:
@@ -84,8 +84,8 @@ class Congestion {
   static constexpr std::int64_t kQueue = 50'000'000;
   static constexpr std::int64_t kOverlook = 120'000'000'000;
   static constexpr std::int64_t kSeries = 5'000'000'000;
-  static constexpr double kHigh = 0.10;         // of what was sent, lost
-  static constexpr double kProbe = 0.6;         // of what was sent
+  static constexpr double kHigh = 0.10;         // fraction of packets lost
+  static constexpr double kProbe = 0.6;         // fraction of the rate sent
   static constexpr std::uint64_t kEnough = 20;  // packets
 
   bool is_high(double loss, double packets) const;
@@ -97,7 +97,7 @@ class Congestion {
   std::int64_t period_start_;
   Channels::Feedback sum_;
   bool held_back_ = false;
-  double series_rate_ = 0.0;  // before the first decrease for loss; 0: none yet
+  double series_rate_ = 0.0;  // before the first decrease for loss; 0 = none yet
   std::int64_t series_start_ = 0;
   bool probes_ = false;
   double series_loss_ = 0.0;
@@ -107,7 +107,7 @@ class Congestion {
   std::int64_t overlook_until_ = INT64_MIN;
 };
 
-/// The rate of a link, and what it lets through.
+/// The rate of a link and its pacer.
 class SendRate {
  public:
   SendRate(const CongestionOptions& options, std::int64_t now)
@@ -117,11 +117,11 @@ class SendRate {
     congestion_.update(feedback, rtt, std::exchange(held_back_, false), now);
     if (congestion_.rate() != pacer_.rate()) pacer_.set_rate(congestion_.rate(), now);
   }
-  /// Something waits that the pacer does not let through.
+  /// The pacer has delayed something.
   void hold_back() { held_back_ = true; }
   Pacer& pacer() { return pacer_; }
   const Congestion& congestion() const { return congestion_; }
-  /// What was learned of another way does not hold.
+  /// Start over on a new path.
   void begin_path(std::int64_t now) {
     congestion_ = Congestion(options_, now);
     pacer_.set_rate(congestion_.rate(), now);

@@ -49,7 +49,7 @@ void SealingKey::renew(std::int64_t now) {
 void SealingKey::seal(std::span<const std::byte> header, std::span<const std::byte> plain,
                       std::span<std::byte> out) {
   crypto::seal(key_, next_, octets(header), octets(plain), octets(out));
-  ++next_;  // to 0 after the last one
+  ++next_;  // 0 after the last one
   ++sealed_;
 }
 
@@ -104,7 +104,7 @@ std::optional<PacketOpener::Opened> PacketOpener::open(std::span<const std::byte
     ++epoch_;
     epoch_first_ = header->sequence;
   } else if (has_previous_ && window_.latest() - epoch_first_ >= ReplayWindow::kSize) {
-    previous_ = crypto::Secret();  // the window takes nothing that old
+    previous_ = crypto::Secret();  // the window accepts nothing that old
     has_previous_ = false;
   }
   ++counters_.opened;

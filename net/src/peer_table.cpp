@@ -84,8 +84,8 @@ std::optional<std::string> PeerTable::refusal_locked(const Hello& hello, const M
   if (record != nullptr && record->link != 0 && !member.bound && record->member.key != member.key) {
     return "another key goes by peer id " + std::to_string(hello.peer);
   }
-  // Of two processes that are there the newer one. What is gone says nothing: it may have had a
-  // clock that was ahead.
+  // Of two processes present the newer one wins. One that has left does not count: its clock may
+  // have been ahead.
   if (record != nullptr && record->link != 0 && hello.incarnation < record->incarnation) {
     return "a newer process has taken peer id " + std::to_string(hello.peer);
   }
@@ -125,7 +125,7 @@ PeerTable::AttachResult PeerTable::attach(std::uint64_t link, const Hello& hello
     out.reason = "replaced by a newer connection";
     disconnect(*record, {});
   } else if (connected_ >= options_.max_peers) {
-    Record& guest = *guest_in_place_of(hello.peer, member);  // refusal_locked() has looked
+    Record& guest = *guest_in_place_of(hello.peer, member);  // refusal_locked() has checked it
     out.replaced_link = guest.link;
     out.reason = "session full: somebody who was here before has come back";
     disconnect(guest, out.reason);
@@ -163,7 +163,7 @@ void PeerTable::note_failure(PeerId peer, const std::string& reason, bool reject
   Record* record = find_or_add(peer);
   if (record == nullptr) return;
   if (rejected) ++record->status.rejected;
-  // The reason of a connected peer stays empty; that of a drop says more than its consequences.
+  // A connected peer has no reason; the reason of a drop is not overwritten by its consequences.
   if (record->link == 0 && !record->dropped) record->status.reason = reason;
 }
 
@@ -192,13 +192,13 @@ PeerTable::Delivered PeerTable::deliver(std::uint64_t link, PeerId peer, Deliver
   if (record == nullptr) return Delivered::Stale;
   record->seniority.stay(nanoseconds(now) - nanoseconds(record->since));
   if (delivery == Delivery::Reliable) {
-    if (sequence <= record->last_received) return Delivered::Ok;  // had before a reconnection
+    if (sequence <= record->last_received) return Delivered::Ok;  // received before a reconnection
     if (sequence != record->last_received + 1) return Delivered::Gap;
   }
   if (!record->budget.admits(nanoseconds(now))) {
     ++record->status.over_budget;
     if (record->budget.abused()) return Delivered::Abused;
-    // What is reliable was under way when the reading stopped.
+    // Reliable frames were in flight when reading stopped.
     if (delivery == Delivery::Newest) return Delivered::Ok;
   }
   record->budget.spend(bytes.size());
@@ -309,9 +309,9 @@ PeerTable::Record* PeerTable::guest_in_place_of(PeerId peer, const Member& membe
                        [](const Record& record) { return record.link != 0; });
 }
 
-/// Ids cost a stranger nothing, and a process that lives for long meets many: what was never
-/// connected goes first, then who has hardly been here, then who has been away for longest, and
-/// last those that were dropped.
+/// Ids are free for a stranger, and a long-lived process meets many. Removed first: peers never
+/// connected, then those that stayed briefly, then those absent for longest, and last those that
+/// were dropped.
 bool PeerTable::make_room() {
   auto oldest = records_.end();
   for (auto at = records_.begin(); at != records_.end(); ++at) {

@@ -29,9 +29,9 @@ inline std::int64_t nanoseconds(SteadyTime time) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
 }
 
-/// Everything the application's thread and the network thread share: the peers, their queues and
-/// counters. One mutex, held for memory operations only. Knows nothing of sockets: a connection is
-/// a serial number ("link", never 0), and only the link attached to a peer may act for it.
+/// State shared by the application's thread and the network thread: peers, their queues and
+/// counters. One mutex, held for memory operations only. Without sockets: a connection is a serial
+/// number ("link", never 0), and only the link attached to a peer may act for it.
 class PeerTable {
  public:
   explicit PeerTable(const TcpOptions& options) : options_(options) {}
@@ -40,35 +40,35 @@ class PeerTable {
 
   struct PostResult {
     bool accepted = false;
-    bool wake = false;           // the link has been idle: tell the network thread
-    std::uint64_t cut_link = 0;  // close this link, its queue has overflowed
+    bool wake = false;           // the link was idle: wake the network thread
+    std::uint64_t cut_link = 0;  // close this link: its queue has overflowed
   };
   PostResult post(PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery);
   void drain(std::vector<consensus::Packet>& out);
-  /// The link to close, 0 where there is none.
+  /// The link to close, 0 if there is none.
   std::uint64_t drop(PeerId peer, const std::string& reason, SteadyTime now);
   std::vector<consensus::PeerStatus> peers() const;
   std::uint64_t incarnation(PeerId peer) const;
 
   // ---- network thread ----
 
-  /// Why this peer may not come in now; none where it may.
+  /// Why this peer is refused now; none if it is not.
   std::optional<std::string> refusal(const Hello& hello, const Member& member, SteadyTime now);
-  /// Sequence number of the last Reliable frame had from that process of that peer.
+  /// Sequence number of the last Reliable frame received from that process of that peer.
   std::uint64_t received(PeerId peer, std::uint64_t incarnation, const Key& key) const;
 
   struct AttachResult {
     bool attached = false;
-    std::uint64_t replaced_link = 0;  // close it: an older one, or of who gives way
+    std::uint64_t replaced_link = 0;  // close it: an older one, or of a peer that gives way
     std::string reason;               // why not attached, or why that one is closed
   };
   AttachResult attach(std::uint64_t link, const Hello& hello, const Member& member,
                       const Welcome& theirs, std::uint64_t ticket, SteadyTime now);
-  /// The link is gone. Its peer is disconnected if the link is still the attached one.
+  /// The link has closed. Its peer is disconnected if the link is still the attached one.
   void detach(std::uint64_t link, PeerId peer, const std::string& reason);
-  /// A peer that is not connected could not be reached or was refused.
+  /// An unconnected peer could not be reached or was refused.
   void note_failure(PeerId peer, const std::string& reason, bool rejected);
-  /// No member any more: nothing of it is kept, and nothing for it.
+  /// No longer a member: nothing of it or for it is kept.
   void expel(std::uint64_t link, PeerId peer, const std::string& reason);
   /// A protocol error: the peer is treated as after drop().
   void reject(std::uint64_t link, PeerId peer, const std::string& reason, SteadyTime now);
@@ -76,38 +76,38 @@ class PeerTable {
   enum class Delivered { Ok, Stale, Gap, Full, Abused };
   Delivered deliver(std::uint64_t link, PeerId peer, consensus::Delivery delivery,
                     std::uint64_t sequence, std::span<const std::byte> bytes, SteadyTime now);
-  /// Count a frame that is not the application's.
+  /// Count a frame other than the application's.
   void charge(std::uint64_t link, PeerId peer, SteadyTime now);
-  /// Whether more of it may be read now: it has not sent more than a member may.
+  /// Whether its budget allows reading more now.
   bool may_read(std::uint64_t link, PeerId peer, SteadyTime now);
-  /// False where that number was never sent.
+  /// False if that number was never sent.
   bool acknowledge(std::uint64_t link, PeerId peer, std::uint64_t sequence);
   /// Appends queued frames to `out`, oldest first, until it holds about `limit` bytes.
   void take(std::uint64_t link, PeerId peer, std::size_t limit, std::vector<std::byte>& out);
-  /// 0 where it is not connected.
+  /// 0 if it is not connected.
   std::uint64_t link_of(PeerId peer) const;
-  /// Whether to dial it: not connected, not dropped.
+  /// Whether to dial it: neither connected nor dropped.
   bool wanted(PeerId peer) const;
-  /// From here on only Reliable frames leave.
+  /// From here on only Reliable frames are sent.
   void begin_shutdown();
 
  private:
   struct Record {
     consensus::PeerStatus status;
     std::uint64_t incarnation = 0;
-    Member member;  ///< who goes by this id, or did last
+    Member member;  ///< present or last user of this id
     Seniority seniority;
     SteadyTime since{};  ///< of the attached link
     std::uint64_t link = 0;
     std::uint64_t ticket = 0;
-    std::size_t max_payload = 0;  // the smaller of both ends' limits
+    std::size_t max_payload = 0;  // the smaller one of both limits
     OutgoingFrames outgoing;
     std::uint64_t last_received = 0;
     FrameQueue inbox;
     MemberBudget budget;  // of the attached link
     bool wake_posted = false;
-    bool dropped = false;         // until it makes a new handshake
-    std::uint64_t departure = 0;  // in the order of disconnections; 0 = never connected
+    bool dropped = false;         // until its next handshake
+    std::uint64_t departure = 0;  // order of disconnections; 0 = never connected
     SteadyTime hold_until{};
   };
 
@@ -130,7 +130,7 @@ class PeerTable {
   std::uint64_t arrivals_ = 0;
   std::uint64_t departures_ = 0;
   bool shutting_down_ = false;
-  SessionClock clock_;  ///< what came is dated by it
+  SessionClock clock_;  ///< dates incoming packets
 };
 
 }  // namespace tandem::net

@@ -13,19 +13,19 @@
 
 namespace tandem::net {
 
-/// Since when an id has been somebody's, whether or not he is here now.
+/// How long an id has been in use by one key, present or not.
 class Seniority {
  public:
-  /// Who has stayed for so long has a place to come back to.
+  /// After this stay a peer's place is kept.
   static constexpr std::int64_t kRegular = 10'000'000'000;  // ns
 
-  /// He comes, with a number that grows from arrival to arrival. Who has stayed keeps his first, so
-  /// that of two the same one is always the elder.
+  /// It connects, with a number that increases with each arrival. A peer that has stayed keeps its
+  /// first number, so that of two the same one is always the elder.
   void arrive(bool same_key, std::uint64_t number) {
     if (!same_key) stayed_ = false;
     if (!stayed_) arrival_ = number;
   }
-  /// He was heard so long after he had come, in ns.
+  /// Heard this long after arrival, in ns.
   void stay(std::int64_t duration) { stayed_ = stayed_ || duration >= kRegular; }
 
   bool stayed() const { return stayed_; }
@@ -36,8 +36,8 @@ class Seniority {
   bool stayed_ = false;
 };
 
-/// In a full session, who gives way to `peer`, who comes back: of those that came after him the
-/// last one whose id anybody could have taken. Null where nobody does.
+/// In a full session, who gives way to the returning `peer`: the last of those that arrived after
+/// it whose id is not bound to a key. Null if there is none.
 /// @param records  by id, with `member` and `seniority`     @param is_here  of a record
 template <class Records, class IsHere>
 typename Records::mapped_type* who_gives_way(Records& records, consensus::PeerId peer,
@@ -57,16 +57,16 @@ typename Records::mapped_type* who_gives_way(Records& records, consensus::PeerId
   return out;
 }
 
-/// Somebody who has begun a handshake and not gone on with it.
+/// A connection with an unfinished handshake.
 struct Asking {
-  crypto::PublicKey key{};       // zero where it is not known yet
+  crypto::PublicKey key{};       // zero if unknown
   Address network;               // see network_of()
-  std::int64_t opened = 0;       // the later, the larger
+  std::int64_t opened = 0;       // increasing
   std::uint64_t connection = 0;  // its number
 };
 
-/// Which connection goes where there are too many: the oldest one of the key or network that has
-/// most, so that who takes many pushes out his own. `all` is not empty.
+/// Which connection to close if there are too many: the oldest one of the key or network with most,
+/// so that a sender who opens many displaces its own. `all` is not empty.
 inline std::uint64_t first_to_go(std::span<const Asking> all) {
   const auto weight = [all](const Asking& each) {
     const auto [less, more] =

@@ -9,12 +9,12 @@ namespace tandem::net {
 
 namespace {
 
-constexpr std::size_t kPieceCost = 64;  // of keeping one, about
+constexpr std::size_t kPieceCost = 64;  // approximate overhead of a stored piece
 
 }  // namespace
 
 bool ReliableSender::post(std::span<const std::byte> bytes, MessageKind kind) {
-  // What the mesh itself has to say is short, and is said whatever the application has queued.
+  // The mesh's own messages are short, and bypass the application's limit.
   const bool own = kind != MessageKind::Application;
   if (bytes.size() > max_message_ && !own) return false;
   kinded_.assign(1, static_cast<std::byte>(kind));
@@ -94,7 +94,7 @@ bool ReliableReceiver::on_piece(const ChannelSection& piece,
                                 std::vector<std::vector<std::byte>>& messages) {
   if (piece.stream != stream_) {
     const auto later = static_cast<std::uint8_t>((piece.stream - stream_) & (kStreams - 1));
-    if (later >= kStreams / 2) return true;  // of one that is over
+    if (later >= kStreams / 2) return true;  // of a finished stream
     stream_ = piece.stream;
     expected_ = 1;
     early_.clear();
@@ -102,7 +102,7 @@ bool ReliableReceiver::on_piece(const ChannelSection& piece,
   }
   const auto ahead =
       static_cast<std::int32_t>(piece.number - static_cast<std::uint32_t>(expected_));
-  if (ahead < 0) return true;  // had before
+  if (ahead < 0) return true;  // received before
   if (ahead >= static_cast<std::int32_t>(kPieceWindow)) return false;
   early_.try_emplace(expected_ + static_cast<std::uint32_t>(ahead),
                      Entry{.last = piece.last, .bytes = {piece.bytes.begin(), piece.bytes.end()}});

@@ -17,25 +17,26 @@ namespace tandem::net {
 /// Longest message of the mesh itself.
 constexpr std::size_t kMaxGroupChange = 4096;
 
-/// Pieces that may be on their way at once; the receiver keeps no more of them.
+/// Pieces in flight; the receiver stores no more of them.
 constexpr std::uint64_t kPieceWindow = 256;
 
-/// The first byte of each message.
+/// First byte of each message.
 enum class MessageKind : std::uint8_t { Application = 0, GroupChange = 1 };
 
-/// Cuts messages into pieces and sends each until it has come. Knows no time: what is lost is said
-/// by SentPackets. It may outlive the connection: the next one to the same process goes on with it.
+/// Splits messages into pieces and sends each until it is acknowledged. It has no timers:
+/// SentPackets reports losses. It may outlive the connection: the next one to the same process
+/// continues with it.
 class ReliableSender {
  public:
-  /// @param limit  bytes that may wait, each piece counted with 64 bytes more
+  /// @param limit  bytes that may wait, plus 64 for each piece
   ReliableSender(std::size_t limit, std::size_t max_message)
       : limit_(limit), max_message_(max_message) {}
 
-  /// False where it is too long or does not fit any more.
+  /// False if it is too long or does not fit.
   [[nodiscard]] bool post(std::span<const std::byte> message,
                           MessageKind kind = MessageKind::Application);
   bool due() const { return next_due().has_value(); }
-  /// The next piece where it fits into `room` with its header; it counts as sent then. The view is
+  /// The next piece, if it fits into `room` with its header; it counts as sent then. The view is
   /// valid until the piece is acknowledged.
   struct Piece {
     std::uint64_t number = 0;
@@ -44,9 +45,9 @@ class ReliableSender {
   std::optional<Piece> take(std::size_t room);
   void on_acked(std::uint64_t number);
   void on_lost(std::uint64_t number);
-  /// A new connection to the same process: whatever is not acknowledged goes again.
+  /// A new connection to the same process: unacknowledged pieces are sent again.
   void restart();
-  /// Forgets what waits. The other end notices by the number of the stream.
+  /// Drops all waiting pieces. The other end notices by the stream number.
   void begin_anew();
 
   bool empty() const { return pieces_.empty(); }
@@ -75,14 +76,14 @@ class ReliableSender {
   std::uint64_t resent_ = 0;
 };
 
-/// Puts pieces back together, in order, each once. Keeps at most kPieceWindow of them and one
-/// message that is not complete.
+/// Reassembles pieces, in order, each once. Stores at most kPieceWindow of them and one incomplete
+/// message.
 class ReliableReceiver {
  public:
   explicit ReliableReceiver(std::size_t max_message) : max_message_(max_message) {}
 
-  /// Appends messages that are complete now. False where no honest sender would send this: beyond
-  /// the window, or of a message that is too long.
+  /// Appends completed messages. False for violations of the protocol: a piece beyond the window,
+  /// or of a message that is too long.
   [[nodiscard]] bool on_piece(const ChannelSection& piece,
                               std::vector<std::vector<std::byte>>& messages);
 

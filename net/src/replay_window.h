@@ -7,17 +7,17 @@
 
 namespace tandem::net {
 
-/// Which of the last 256 sequence numbers have been had. Ask before authentication, note after it:
-/// a number that nobody has vouched for must not move the window.
+/// Which of the last 256 sequence numbers were received. Check before authentication, record after
+/// it: an unauthenticated number must not move the window.
 class ReplayWindow {
  public:
   static constexpr std::uint64_t kSize = 256;
 
-  /// New: above all so far, or in the window and not had. 0 is no sequence number.
+  /// Above all so far, or in the window and not received. 0 is no sequence number.
   bool fresh(std::uint64_t sequence) const {
     if (sequence == 0) return false;
     if (sequence > latest_) return true;
-    // Differences, not sums: these do not overflow at the top of the range.
+    // Differences do not overflow at the top of the range; sums would.
     return latest_ - sequence < kSize && !bit(sequence);
   }
 
@@ -34,9 +34,9 @@ class ReplayWindow {
     word(sequence) |= mask(sequence);
   }
 
-  /// The highest number noted, 0 where there is none.
+  /// The highest number recorded, 0 if there is none.
   std::uint64_t latest() const { return latest_; }
-  /// Bit i: whether latest() - 1 - i has been had.
+  /// Bit i: whether latest() - 1 - i was received.
   std::uint64_t before_latest() const {
     std::uint64_t out = 0;
     for (std::uint64_t i = 0; i < 64 && latest_ > i + 1; ++i) {

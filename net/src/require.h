@@ -22,7 +22,7 @@ void require(bool ok, const char* owner, const char* field, Integer value, const
   if (!ok) require(false, owner, field, std::to_string(value), rule);
 }
 
-/// What both transports need to know of who is who.
+/// Membership options that both transports share.
 template <class Options>
 void require_credentials(const Options& options, const char* owner) {
   const std::string given = "given";
@@ -37,7 +37,7 @@ void require_credentials(const Options& options, const char* owner) {
           "self", options.self, "below 2^63, or derived from identity");
 }
 
-/// The times that the options of both transports have.
+/// Time options that both transports share.
 template <class Options>
 void require_times(const Options& options, const char* owner) {
   using std::chrono::milliseconds;

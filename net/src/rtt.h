@@ -9,12 +9,13 @@
 
 namespace tandem::net {
 
-/// Round trip of one link, ns: smoothed and its spread as in RFC 6298, and the least of late.
+/// Round trip of one link, ns: smoothed, with its variation, as in RFC 6298, and its recent
+/// minimum.
 class RttEstimate {
  public:
   static constexpr std::int64_t kInitialTimeout = 500'000'000;
   static constexpr std::int64_t kMinTimeout = 100'000'000;
-  /// The other end may wait so long before it acknowledges; samples are without it.
+  /// Longest delay of the other end's acknowledgements; subtracted from samples.
   static constexpr std::int64_t kMaxAckDelay = 25'000'000;
   static constexpr std::int64_t kMaxTimeout = 3'000'000'000;
   static constexpr std::int64_t kBaseWindow = 10'000'000'000;
@@ -31,7 +32,7 @@ class RttEstimate {
     }
     spread_ += (std::max(smoothed_ - sample, sample - smoothed_) - spread_) / 4;
     smoothed_ += (sample - smoothed_) / 8;
-    // The least of the last one to two windows: what the path costs without a queue.
+    // Minimum of the last one to two windows: the round trip without queues.
     if (now - window_start_ >= kBaseWindow) {
       previous_least_ = now - window_start_ >= 2 * kBaseWindow ? sample : least_;
       least_ = sample;
@@ -42,14 +43,14 @@ class RttEstimate {
 
   bool any() const { return any_; }
   std::int64_t smoothed() const { return smoothed_; }
-  /// The least of the last 16: without jitter, for what it is worth.
+  /// Minimum of the last 16: reduces jitter.
   std::int64_t recent() const {
     const auto end =
         recent_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, recent_.size()));
     return count_ == 0 ? 0 : *std::min_element(recent_.begin(), end);
   }
   std::int64_t base() const { return std::min(least_, previous_least_); }
-  /// How long to wait for an acknowledgement before what was sent counts as lost.
+  /// Time after which an unacknowledged packet counts as lost.
   std::int64_t timeout() const {
     if (!any_) return kInitialTimeout;
     return std::clamp(smoothed_ + 4 * spread_ + kMaxAckDelay, kMinTimeout, kMaxTimeout);

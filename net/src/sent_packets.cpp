@@ -51,7 +51,7 @@ void SentPackets::sent_probe(std::uint64_t sequence, std::size_t bytes, std::int
 }
 
 std::uint64_t SentPackets::widen(std::uint32_t ack) const {
-  // The number nearest below what was sent last; 0 where there is none.
+  // The number nearest below the last one sent; 0 if there is none.
   const std::uint64_t behind =
       static_cast<std::uint32_t>(static_cast<std::uint32_t>(latest_sent_) - ack);
   return behind >= latest_sent_ ? 0 : latest_sent_ - behind;
@@ -115,7 +115,7 @@ bool SentPackets::on_ack(const ChannelHeader& header, std::int64_t now, Outcome&
   const std::uint64_t ack = widen(header.ack);
   if (ack == 0) return false;
 
-  // Also of those that counted as lost: where a queue grows faster than the estimate, all are late.
+  // Packets counted as lost too: if a queue grows faster than the estimate, all are late.
   if (const Entry& entry = slot(ack);
       ack >= path_first_ && entry.sequence == ack &&
       (entry.state == State::Flying || entry.state == State::Lost)) {
@@ -123,7 +123,7 @@ bool SentPackets::on_ack(const ChannelHeader& header, std::int64_t now, Outcome&
   }
   const std::uint64_t before = outcome.acked_packets;
   acked(ack, outcome);
-  // Each packet is told of many times: of those that are known nothing is looked at again.
+  // Packets are acknowledged many times: skip those known.
   if (ack > highest_acked_) {
     const std::uint64_t ahead = ack - highest_acked_;
     known_acked_ = ahead < 64 ? known_acked_ << ahead | std::uint64_t{1} << (ahead - 1) : 0;

@@ -14,32 +14,32 @@
 
 namespace tandem::net {
 
-/// What was sent and has not been heard of: which packets have come, which are lost, how long it
-/// took. A packet is lost when three later ones have come, or after a timeout; it may still turn
-/// out to have come. Memory is bounded: a ring of as many as were ever awaited at once, so that
-/// the few of a quiet connection stay in the cache.
+/// Unacknowledged packets: which were received or lost, and their round trips. A packet is lost
+/// when three later ones were received, or after a timeout; it may still turn out to be received.
+/// Bounded: a ring as large as the most packets ever awaited at once, so that a quiet connection's
+/// stays in the cache.
 class SentPackets {
  public:
-  static constexpr std::size_t kRing = 1024;     // at most
-  static constexpr std::size_t kFirstRing = 64;  // at first: an acknowledgement tells of as many
+  static constexpr std::size_t kRing = 1024;     // largest
+  static constexpr std::size_t kFirstRing = 64;  // initial; one acknowledgement covers as many
   static constexpr std::size_t kMaxPieces = 8;   // of one packet
   static constexpr std::uint64_t kReorder = 3;
 
-  /// A packet that the other end acknowledges. @param bytes  on the wire
+  /// A packet to be acknowledged. @param bytes  on the wire
   /// @param pieces  numbers, at most kMaxPieces
   void sent(std::uint64_t sequence, std::size_t bytes, std::span<const std::uint64_t> pieces,
             std::int64_t now);
-  /// A packet with nothing in it, of which nothing is expected.
+  /// An empty packet, whose fate does not matter.
   void sent_empty(std::uint64_t sequence, std::int64_t now);
-  /// A padded one: its loss says something of its length, and nothing of the rate.
+  /// A padded packet: its loss tells about its length, not about the rate.
   void sent_probe(std::uint64_t sequence, std::size_t bytes, std::int64_t now);
-  /// When the packet left that `header` acknowledges, where it is known.
+  /// When the packet acknowledged by `header` was sent, if known.
   std::optional<std::int64_t> sent_at(const ChannelHeader& header) const;
 
   struct Outcome {
     std::vector<std::uint64_t> acked_pieces;
     std::vector<std::uint64_t> lost_pieces;
-    /// On the wire, of each packet.
+    /// Bytes on the wire, of each packet.
     struct Size {
       std::size_t bytes = 0;
       bool is_probe = false;
@@ -53,12 +53,12 @@ class SentPackets {
 
     void clear();
   };
-  /// False where it acknowledges what was never sent. Adds to `outcome`.
+  /// False if it acknowledges a packet that was never sent. Adds to `outcome`.
   [[nodiscard]] bool on_ack(const ChannelHeader& header, std::int64_t now, Outcome& outcome);
-  /// What has waited too long is lost. Adds to `outcome`.
+  /// Packets that waited too long are lost. Adds to `outcome`.
   void on_time(std::int64_t now, Outcome& outcome);
 
-  /// Packets go another way from now on: round trips of those before say nothing of it.
+  /// A new path: earlier round trips do not apply to it.
   void begin_path() {
     rtt_ = {};
     path_first_ = latest_sent_ + 1;
@@ -66,8 +66,8 @@ class SentPackets {
   }
 
   std::uint64_t highest_acknowledged() const { return highest_acked_; }
-  /// When the first packet with this number or a later one left, or the first one that is known of;
-  /// INT64_MAX: none has.
+  /// When the first packet with this or a later number was sent, or the first one still known;
+  /// INT64_MAX: none.
   std::int64_t first_sent_from(std::uint64_t sequence) const;
   const RttEstimate& rtt() const { return rtt_; }
   std::size_t in_flight() const { return in_flight_; }
@@ -84,14 +84,14 @@ class SentPackets {
     std::array<std::uint64_t, kMaxPieces> pieces{};
   };
 
-  // The ring's length is a power of two.
+  // The ring's size is a power of two.
   Entry& slot(std::uint64_t sequence) { return entries_[sequence & (entries_.size() - 1)]; }
   const Entry& slot(std::uint64_t sequence) const {
     return entries_[sequence & (entries_.size() - 1)];
   }
   void grow();
   std::uint64_t widen(std::uint32_t ack) const;
-  /// Whether it may still be told of: what counts as lost is so late where a round trip is long.
+  /// Whether it may still be acknowledged: packets counted as lost are late on long round trips.
   static bool may_come(const Entry& entry, std::int64_t now);
   Entry& next_slot(std::uint64_t sequence, std::int64_t now);
   void acked(std::uint64_t sequence, Outcome& outcome);
@@ -100,13 +100,13 @@ class SentPackets {
   std::vector<Entry> entries_ = std::vector<Entry>(kFirstRing);
   std::uint64_t latest_sent_ = 0;
   std::uint64_t highest_acked_ = 0;
-  std::uint64_t known_acked_ = 0;  // bit i: the packet 1 + i before that one as well
-  std::uint64_t oldest_ = 1;       // none that flies is older
-  std::uint64_t path_first_ = 0;   // sent on the way of now
+  std::uint64_t known_acked_ = 0;  // bit i: the packet 1 + i before that one
+  std::uint64_t oldest_ = 1;       // no older one is in flight
+  std::uint64_t path_first_ = 0;   // first packet on the present path
   std::size_t in_flight_ = 0;
-  int backoff_ = 0;  // timeouts in a row, nothing heard between them
+  int backoff_ = 0;  // successive timeouts without an acknowledgement
   std::int64_t last_timeout_ = 0;
-  Outcome overrun_;  // overwritten in the ring before their time
+  Outcome overrun_;  // overwritten in the ring before they were settled
   RttEstimate rtt_;
 };
 

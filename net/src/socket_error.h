@@ -8,8 +8,8 @@
 
 namespace tandem::net {
 
-/// What Asio says of a socket, so that it compares with std::errc: its own category does not, and
-/// the standard library for Windows does not know the codes of sockets there.
+/// An Asio socket error that compares with std::errc: Asio's own category does not, and the
+/// standard library for Windows does not know socket error codes.
 inline std::system_error socket_error(const std::error_code& error, const std::string& what) {
 #ifdef _WIN32
   if (error == asio::error::address_in_use) {

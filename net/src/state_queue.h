@@ -13,15 +13,15 @@
 
 namespace tandem::net {
 
-/// States that wait to be sent. Where there are too many, the oldest go. Times in ns.
+/// States waiting to be sent. If there are too many, the oldest are dropped. Times in ns.
 class StateQueue {
  public:
-  /// @param life  older ones are not sent any more
+  /// @param life  older states are dropped
   StateQueue(std::size_t limit_bytes, std::int64_t life) : limit_(limit_bytes), life_(life) {}
 
   bool empty() const { return states_.empty(); }
   std::size_t size() const { return states_.size(); }
-  /// Of those that were never sent.
+  /// States dropped before they were sent.
   std::uint64_t dropped() const { return dropped_; }
 
   void push(std::span<const std::byte> state, std::int64_t now) {
@@ -40,11 +40,11 @@ class StateQueue {
     });
   }
 
-  /// The next one is small enough for `room` bytes, or there is none.
+  /// Whether the next state fits into `room` bytes, or there is none.
   bool fits(std::size_t room) const {
     return states_.empty() || kStateHeader + states_.front().bytes.size() <= room;
   }
-  /// Appends the next one to `out`. False where there is none, or `out` would be longer than `end`.
+  /// Appends the next state to `out`. False if there is none, or `out` would exceed `end`.
   bool write(std::size_t end, std::vector<std::byte>& out) {
     if (states_.empty() || out.size() + kStateHeader + states_.front().bytes.size() > end) {
       return false;

@@ -13,9 +13,9 @@
 
 namespace tandem::net {
 
-// Frames of a stream (wire.h), sealed. The length before each is authenticated with it. A stream
-// loses and reorders nothing, so sequence numbers are not sent: each frame is opened under the
-// number that it must have. A frame of type Rekey is the last one under its key.
+// Sealed frames of a stream (wire.h). Each authenticates the length before it. A stream neither
+// loses nor reorders, so sequence numbers are implicit: each frame is opened under its expected
+// number. A frame of type Rekey is the last one under its key.
 
 /// Seals what one end of a stream sends.
 class StreamSealer {
@@ -24,8 +24,8 @@ class StreamSealer {
                std::uint64_t first_sequence = 1)
       : key_(key, now, policy, first_sequence) {}
 
-  /// Appends `frames`, whole ones as append_frame() makes them, and those that change the key.
-  /// False where the numbers have run out: this connection is over.
+  /// Appends `frames`, whole ones as made by append_frame(), and Rekey frames as needed. False if
+  /// the numbers have run out: then the connection is over.
   [[nodiscard]] bool seal(std::span<const std::byte> frames, std::int64_t now,
                           std::vector<std::byte>& out);
   std::uint64_t epoch() const { return key_.epoch(); }
@@ -44,8 +44,8 @@ class StreamOpener {
   StreamOpener& operator=(const StreamOpener&) = delete;
 
   /// `frame` is a whole one with its length. Returns type and payload, in a buffer that the next
-  /// call overwrites; empty where it was for this object alone. None: not what the other end has
-  /// sealed at this place, and from then on for good.
+  /// call overwrites; empty if the frame was for this object alone. None, then and ever after, if
+  /// it is not what the other end sealed at this place.
   std::optional<std::span<const std::byte>> open(std::span<const std::byte> frame);
   std::uint64_t epoch() const { return epoch_; }
 

@@ -25,7 +25,7 @@ void TcpOptions::validate() const {
   for (const HostPort& address : connect) {
     check(!address.host.empty() && address.port != 0, "connect", to_string(address), "HOST:PORT");
   }
-  // A key is not for error messages.
+  // Keys do not appear in error messages.
   const std::string given = "given";
   if (session_key) {
     check(crypto::is_available(), "session_key", given, "none in a build without libsodium");
@@ -66,7 +66,7 @@ namespace {
 
 TcpOptions complete(TcpOptions options) {
   options.validate();
-  options.session_key.reset();  // TcpSecurity has them
+  options.session_key.reset();  // TcpSecurity has the keys
   options.identity.reset();
   if (options.incarnation == 0) {
     const auto now = std::chrono::system_clock::now().time_since_epoch();

@@ -25,9 +25,8 @@ asio::ip::address from_bytes(const std::array<std::uint8_t, 16>& ip) {
   return v6;
 }
 
-/// Who dials a port of his own machine where nobody listens may be given that very port to dial
-/// from, and TCP then joins the socket to itself. Such a socket is told to leave nothing behind, so
-/// that somebody may come to listen there.
+/// A socket that dials a free port of its own host may get that very port as its source, and TCP
+/// then connects it to itself. It is closed without TIME_WAIT, so that a listener may use the port.
 bool is_joined_to_itself(asio::ip::tcp::socket& socket) {
   std::error_code error;
   const auto here = socket.local_endpoint(error);
@@ -59,7 +58,7 @@ void TcpDialler::add(const HostPort& address, PeerId peer, bool lasting, SteadyT
   });
   if (known) return;
   if (dials_.size() >= options_.connect.size() + 2 * options_.max_peers) {
-    // Hearsay, of which one peer can tell any amount, makes room for what is known first-hand.
+    // Hearsay, which one peer can produce in any amount, makes room for first-hand addresses.
     const auto hearsay =
         std::ranges::find_if(dials_, [](const Dial& dial) { return !dial.lasting && !dial.busy; });
     if (!lasting || hearsay == dials_.end()) return;
@@ -168,7 +167,7 @@ void TcpDialler::learn(std::uint64_t serial, PeerId peer, const HostPort& addres
     dial->reason.clear();
   }
   if (address.port == 0) return;
-  std::erase_if(dials_, [&](const Dial& dial) {  // where it was before a restart
+  std::erase_if(dials_, [&](const Dial& dial) {  // the address before a restart
     const bool given = std::ranges::find(options_.connect, dial.address) != options_.connect.end();
     return dial.peer == peer && !dial.busy && !given && dial.address.port != address.port;
   });
@@ -186,10 +185,10 @@ void TcpDialler::hear(std::span<const PeerAddress> addresses, const asio::ip::ad
   for (const PeerAddress& entry : addresses) {
     if (entry.peer == 0 || entry.peer == options_.self || entry.port == 0) continue;
     asio::ip::address ip = from_bytes(entry.ip);
-    // On the teller's own host, which is this one only if the teller is here as well.
+    // On the teller's host: the address at which we see the teller.
     if (ip.is_loopback()) ip = teller;
     if (ip.is_unspecified() || ip.is_multicast() || !may_reach(ip)) continue;
-    // One of the two dials at once, the other one only if that does not work out.
+    // One of the two dials at once; the other waits in case that fails.
     const bool first = options_.self > entry.peer;
     const auto wait = first ? SteadyTime::duration(0) : 2 * options_.backoff_min;
     add({ip.to_string(), entry.port}, entry.peer, false, SteadyClock::now() + wait);
@@ -206,8 +205,8 @@ std::uint64_t TcpDialler::attempts_before(std::uint64_t serial) const {
   return at != dials_.end() && at->attempts > 0 ? at->attempts - 1 : 0;
 }
 
-/// Doubles from backoff_min to backoff_max; jitter takes off up to half, so that peers which lost
-/// each other at one moment do not meet in lockstep.
+/// Doubles from backoff_min to backoff_max; jitter subtracts up to half, so that peers which lost
+/// each other at one moment do not redial in lockstep.
 SteadyTime::duration TcpDialler::backoff(std::uint64_t attempts) {
   SteadyTime::duration wait = options_.backoff_min;
   for (std::uint64_t i = 1; i < attempts && wait < options_.backoff_max; ++i) wait *= 2;
@@ -226,7 +225,7 @@ void TcpDialler::publish() {
   for (const Dial& dial : dials_) {
     out.push_back({.address = dial.address,
                    .peer = dial.peer,
-                   .connected = false,  // the table knows
+                   .connected = false,  // known to the table
                    .attempts = dial.attempts,
                    .reason = dial.reason});
   }

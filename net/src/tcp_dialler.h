@@ -20,33 +20,33 @@
 
 namespace tandem::net {
 
-/// Which addresses to dial and when, and the looking up and connecting. Network thread only.
+/// Which addresses to dial and when; look-ups and connecting. Network thread only.
 class TcpDialler {
  public:
   struct Hooks {
-    /// A new link, of the dial with this number.
+    /// A new link, for the dial with this number.
     std::function<std::shared_ptr<TcpLink>(std::uint64_t dial)> open;
     std::function<void(TcpLink&)> connected;
   };
 
-  /// @param anywhere  addresses of other machines may be dialled
+  /// @param anywhere  whether addresses of other hosts may be dialled
   TcpDialler(asio::io_context& context, const TcpOptions& options, bool anywhere,
              const PeerTable& table, TcpReport& report, Hooks hooks);
 
-  /// Dials what is due.
+  /// Dials the addresses that are due.
   void sweep(SteadyTime now);
-  /// A dial has ended without a peer, or its link is gone.
+  /// A dial has failed, or its link is closed.
   void on_failure(std::uint64_t serial, const std::string& reason);
-  /// The connection of a peer has ended: back-off starts over if that had lasted for a while.
+  /// The connection of a peer has ended: back-off starts over if it had lasted for a while.
   void redial(PeerId peer, bool lasted);
-  /// A peer says that it listens on that port of the host that it came from.
-  /// @param serial  of the dial that has led to it; 0: none     @param address  port 0: nowhere
+  /// A peer announces the port on which it listens, on the host that it came from.
+  /// @param serial  of the dial that led to it; 0: none     @param address  port 0: none
   void learn(std::uint64_t serial, PeerId peer, const HostPort& address);
-  /// What a peer says of others. Hearsay adds addresses and replaces none.
+  /// A peer's addresses of other peers. Hearsay adds addresses and replaces none.
   void hear(std::span<const PeerAddress> addresses, const asio::ip::address& teller);
-  /// This process itself is there.
+  /// The address is that of this process.
   void note_self(std::uint64_t serial);
-  /// How often it was dialled before this time.
+  /// Number of earlier dials.
   std::uint64_t attempts_before(std::uint64_t serial) const;
   void publish();
   void clear() { dials_.clear(); }
@@ -55,11 +55,11 @@ class TcpDialler {
  private:
   using Endpoint = asio::ip::tcp::endpoint;
 
-  /// An address to dial: given by the application, told by the peer itself, or by another one.
+  /// An address to dial: given by the application, announced by the peer itself, or by another one.
   struct Dial {
     std::uint64_t serial = 0;
     HostPort address;
-    bool lasting = false;  // not hearsay only, which is forgotten after some failures
+    bool lasting = false;  // false: hearsay only, dropped after some failures
     PeerId peer = 0;
     bool is_self = false;
     bool busy = false;  // looking up, connecting or shaking hands

@@ -12,7 +12,7 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kMinIdleMs = 40;  // whatever a peer asks for, ping no faster
+constexpr std::uint32_t kMinIdleMs = 40;  // of peers' requests for pings
 
 std::string hex(std::uint64_t value) {
   char text[19];
@@ -71,8 +71,8 @@ void TcpHandshake::on_malformed(TcpLink& link, const std::string& reason) {
   link.leave(reason, SteadyClock::now() + kLinger);
 }
 
-/// What is refused here is closed at once: a goodbye would keep something for a stranger. Two
-/// mistakes get one all the same.
+/// A refused link is closed at once: a goodbye would keep memory for a stranger. Two kinds of error
+/// get one all the same.
 void TcpHandshake::on_key_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
   const bool inbound = link.dial == 0;
   const auto say = [&](const std::string& reason) {
@@ -105,7 +105,7 @@ void TcpHandshake::on_key_frame(TcpLink& link, const FrameBuffer::Frame& frame) 
   link.keying.badge = std::move(keys->badge);
   link.phase = TcpLink::Phase::Greeting;
   link.protect(std::move(keys->cipher));
-  // Sealed, so that it is the dialler's proof that it is no recording.
+  // Sealed: it proves that the dialler is no recording.
   if (!inbound && link.phase == TcpLink::Phase::Greeting) greet(link);
 }
 
@@ -137,7 +137,7 @@ std::optional<std::string> TcpHandshake::mismatch(const Hello& hello) const {
 }
 
 void TcpHandshake::on_hello(TcpLink& link, const Hello& hello) {
-  // Before anything is noted under an id that may be another's.
+  // Judged before anything is recorded under an id that may be another's.
   std::string refusal;
   if (security_) {
     refusal = security_->judge(hello.peer, link.keying.remote, link.keying.badge, link.member);
@@ -148,8 +148,7 @@ void TcpHandshake::on_hello(TcpLink& link, const Hello& hello) {
     return link.leave(reason, SteadyClock::now() + kLinger);
   }
   link.hello = hello;
-  // The listener names itself even where it refuses, so that both ends know whom they disagree
-  // with.
+  // The listener identifies itself even if it refuses, so that both ends know each other.
   if (link.dial == 0) greet(link);
   if (hello.peer == options_.self && hello.incarnation == options_.incarnation) {
     dialler_.note_self(link.dial);
@@ -192,7 +191,7 @@ std::optional<PeerTable::AttachResult> TcpHandshake::on_welcome(TcpLink& link,
     link.leave(result.reason, now + kLinger);
     return {};
   }
-  // After attach: nothing more is taken from an older connection, the number sent is final.
+  // After attach: no more frames from an older connection, so the number sent is final.
   if (!deciding) send_welcome(link);
   link.phase = TcpLink::Phase::Attached;
   link.times.attached = now;

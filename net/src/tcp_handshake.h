@@ -16,14 +16,15 @@
 
 namespace tandem::net {
 
-/// How long a link waits for the other end to close after a Goodbye.
+/// Time that a link waits for the other end to close after a Goodbye.
 constexpr std::chrono::milliseconds kLinger{500};
 
-/// What makes a connection a peer's link: keys, who is at the other end, whether it may come in.
-/// Network thread only.
+/// Turns a connection into a peer's link: keys, identity of the other end, admission. Network
+/// thread only.
 class TcpHandshake {
  public:
-  /// @param security  may be null: frames in the clear     @param port  where this process listens
+  /// @param security  may be null: frames in the clear     @param port  on which this process
+  /// listens
   TcpHandshake(const TcpOptions& options, PeerTable& table, TcpReport& report, TcpDialler& dialler,
                TcpSecurity* security, std::uint16_t port)
       : options_(options),
@@ -33,11 +34,11 @@ class TcpHandshake {
         security_(security),
         port_(port) {}
 
-  /// The link is connected. It has options_.handshake_timeout from here on.
+  /// The link is connected. Its options_.handshake_timeout begins.
   void start(TcpLink& link);
-  /// Any frame but a Goodbye before the link is attached. Set where it is attached now.
+  /// Any frame but a Goodbye before the link is attached. Returns a result once it is attached.
   std::optional<PeerTable::AttachResult> on_frame(TcpLink& link, const FrameBuffer::Frame& frame);
-  /// No frame of this protocol, before the link is attached.
+  /// Bytes that are not a frame, before the link is attached.
   void on_malformed(TcpLink& link, const std::string& reason);
 
  private:

@@ -10,7 +10,7 @@
 namespace tandem::net {
 
 void TcpLink::start(std::size_t send_buffer) {
-  // Refused options cost speed, not correctness.
+  // Without these options it is slower, not wrong.
   std::error_code ignored;
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.set_option(asio::socket_base::send_buffer_size(static_cast<int>(send_buffer)), ignored);
@@ -42,7 +42,7 @@ void TcpLink::on_read(const std::error_code& error, std::size_t count) {
   input_.filled(count);
   take_frames();
   if (phase == Phase::Closed) return;
-  // Bytes left unread would reset the connection, and the other end would lose the Goodbye.
+  // Unread bytes would reset the connection, and the other end would lose the Goodbye.
   if (phase == Phase::Leaving) input_.discard();
   kick();  // an acknowledgement may be due
   if (phase == Phase::Closed) return;
@@ -53,7 +53,7 @@ void TcpLink::on_read(const std::error_code& error, std::size_t count) {
 void TcpLink::resume() {
   if (!paused_ || phase == Phase::Closed || !owner_.may_read(*this)) return;
   paused_ = false;
-  times.heard = std::chrono::steady_clock::now();  // it may have spoken all the time
+  times.heard = std::chrono::steady_clock::now();  // it may have sent all the time
   read();
 }
 
@@ -73,7 +73,7 @@ void TcpLink::take_frames() {
     owner_.on_frame(*this, {static_cast<FrameType>(body->front()), body->subspan(1)});
   }
   if (!input_.bad() || phase == Phase::Leaving || phase == Phase::Closed) return;
-  // A length that is sealed can be checked with its frame only; until then it is anybody's.
+  // A sealed length is verified only with its frame; until then it is untrusted.
   if (cipher_) return owner_.on_forged(*this, input_.error());
   owner_.on_malformed(*this, input_.error());
 }
@@ -91,7 +91,7 @@ void TcpLink::kick() {
   if (phase == Phase::Attached || goodbye_) owner_.on_writable(*this, output_.written);
   if (output_.written.empty()) {
     if (!goodbye_) return;
-    if (goodbye_->empty()) {  // it is out
+    if (goodbye_->empty()) {  // the Goodbye was sent
       std::error_code ignored;
       socket_.shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
       return;

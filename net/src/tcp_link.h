@@ -19,17 +19,17 @@ class TcpLink;
 
 constexpr std::size_t kMaxControlBytes = 256 * 1024;  // waiting control frames of one link
 
-/// What a link tells its owner, on the network thread.
+/// Callbacks of a link, on the network thread.
 class TcpLinkOwner {
  public:
   virtual void on_frame(TcpLink& link, const FrameBuffer::Frame& frame) = 0;
   /// The stream is no sequence of frames.
   virtual void on_malformed(TcpLink& link, const std::string& reason) = 0;
-  /// A frame that the other end has not sealed.
+  /// A frame not sealed by the other end.
   virtual void on_forged(TcpLink& link, const std::string& reason) = 0;
-  /// Whether more may be read. Where not, resume() is called when it may.
+  /// Whether more may be read. If not, resume() is called once it may.
   virtual bool may_read(TcpLink& link) = 0;
-  /// Append what is to be sent next to `out`, which may stay empty.
+  /// Append what to send next to `out`, which may stay empty.
   virtual void on_writable(TcpLink& link, std::vector<std::byte>& out) = 0;
   /// Last call for this link.
   virtual void on_closed(TcpLink& link, const std::string& reason) = 0;
@@ -39,14 +39,14 @@ class TcpLinkOwner {
 };
 
 /// One TCP connection as a stream of frames. Network thread only. Pending operations keep the
-/// object alive; after close() they end without effect.
+/// object alive; after close() they have no effect.
 class TcpLink : public std::enable_shared_from_this<TcpLink> {
  public:
   enum class Phase {
     Connecting,  // outbound, no connection yet
-    Keying,      // with a session key: the other's half of the key exchange is awaited
-    Greeting,    // the other's Hello is awaited
-    Welcoming,   // Hellos are exchanged and good, Welcome is awaited
+    Keying,      // with a session key: waiting for the other half of the key exchange
+    Greeting,    // waiting for the other's Hello
+    Welcoming,   // Hellos were accepted, waiting for Welcome
     Attached,    // carries a peer's frames
     Leaving,     // Goodbye queued or sent; only reads until the other end closes
     Closed,
@@ -65,10 +65,10 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
   void raise_limit(std::size_t max_payload) {
     input_.raise_limit(max_payload + (cipher_ ? kSealBytes : 0));
   }
-  /// Whatever is read and written from here on is sealed.
+  /// Everything read and written from here on is sealed.
   void protect(std::unique_ptr<LinkCipher> cipher);
 
-  /// Queues a control frame and sends it as soon as the frames before it are out.
+  /// Queues a control frame and sends it after the frames before it.
   template <class Fill>
   void send(FrameType type, Fill&& fill) {
     if (phase == Phase::Leaving || phase == Phase::Closed) return;
@@ -77,11 +77,11 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
     kick();
   }
 
-  /// Reads on where may_read() has stopped it.
+  /// Continues reading after may_read() has stopped it.
   void resume();
-  /// Something may be there to write.
+  /// There may be something to write.
   void kick();
-  /// Send what is queued, a Goodbye with `reason`, and close once the other end has.
+  /// Send what is queued, a Goodbye with `reason`, and close once the other end has closed.
   void leave(const std::string& reason, SteadyTime deadline);
   void close(const std::string& reason);
 
@@ -89,15 +89,15 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
   Phase phase = Phase::Connecting;
   std::uint64_t dial = 0;  // 0: inbound
   struct Keying {
-    std::unique_ptr<KeyExchange> exchange;  // of the dialler, until it has ended
-    Key remote{};                           // after it
-    std::vector<std::byte> badge;           // likewise
+    std::unique_ptr<KeyExchange> exchange;  // of the dialler, until the exchange has ended
+    Key remote{};                           // set by the exchange
+    std::vector<std::byte> badge;           // set by the exchange
   };
   Keying keying;
-  Member member{.bound = true};  // once its Hello was good
+  Member member{.bound = true};  // once its Hello was accepted
   Hello hello;                   // the other's; peer 0 until it has come
   std::uint64_t ticket = 0;
-  std::string failure;  // why it is leaving, for whoever dialled it
+  std::string failure;  // why it is leaving, for the dialler
   asio::ip::address remote;
   SteadyTime deadline{};  // of every phase but Attached
   struct Times {
@@ -111,9 +111,9 @@ class TcpLink : public std::enable_shared_from_this<TcpLink> {
 
  private:
   struct Output {
-    std::vector<std::byte> control;  // frames that are due before all others
+    std::vector<std::byte> control;  // frames to send before all others
     std::vector<std::byte> written;  // being written
-    std::vector<std::byte> sealed;   // `written` is swapped with it
+    std::vector<std::byte> sealed;   // swapped with `written`
     bool writing = false;
   };
 

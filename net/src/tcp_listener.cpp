@@ -15,7 +15,7 @@ namespace tandem::net {
 
 namespace {
 
-// After accept() has failed, as for want of descriptors.
+// After a failed accept(), for example for lack of descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
 }  // namespace
@@ -63,12 +63,12 @@ void TcpListener::accept() {
   });
 }
 
-/// Nothing is known of whoever has just connected but his address.
+/// Only the address of a new connection is known.
 bool TcpListener::over_rate(TcpLink& link) const {
   if (security_ == nullptr) return false;
   std::error_code error;
   const asio::ip::address from = link.socket().remote_endpoint(error).address();
-  if (error) return false;  // he has gone again, which link.start() will find
+  if (error) return false;  // already closed, which link.start() will find
   return !security_->allow(to_bytes(from), nanoseconds(std::chrono::steady_clock::now()));
 }
 

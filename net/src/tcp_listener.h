@@ -14,7 +14,7 @@
 
 namespace tandem::net {
 
-/// The socket that others connect to. Network thread only.
+/// The listening socket. Network thread only.
 class TcpListener {
  public:
   struct Hooks {
@@ -22,12 +22,12 @@ class TcpListener {
     std::function<void(const std::shared_ptr<TcpLink>&)> accepted;
   };
 
-  /// Listens where the options say so. @param security  may be null: nobody is turned away
-  /// Throws std::system_error where it cannot.
+  /// Listens as the options say. @param security  may be null: no limit on connections. Throws
+  /// std::system_error if it cannot.
   TcpListener(asio::io_context& context, const TcpOptions& options, TcpReport& report,
               TcpSecurity* security, Hooks hooks);
 
-  /// 0 where nobody listens.
+  /// 0 if nothing listens.
   std::uint16_t port() const { return port_; }
   /// Accepts again some time after an error.
   void sweep(SteadyTime now);

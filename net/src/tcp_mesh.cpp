@@ -19,7 +19,7 @@ namespace {
 constexpr milliseconds kSweepInterval{10};
 constexpr milliseconds kExpelInterval{250};
 constexpr std::size_t kMaxGreeting = 32;         // inbound connections that are not peers yet
-constexpr std::ptrdiff_t kMaxGreetingOfKey = 8;  // of them, by one who has the session key
+constexpr std::ptrdiff_t kMaxGreetingOfKey = 8;  // of them, of one key
 constexpr std::size_t kMaxExtraLinks = 64;       // above max_peers, in any phase
 
 }  // namespace
@@ -43,7 +43,7 @@ TcpMesh::TcpMesh(const TcpOptions& options, PeerTable& table, TcpReport& report,
 }
 
 TcpMesh::~TcpMesh() {
-  // Nothing here throws but for want of memory; then it ends without a goodbye.
+  // Only lack of memory throws here; then it ends without a goodbye.
   try {
     asio::post(context_, [this] { begin_shutdown(); });
   } catch (...) {
@@ -57,7 +57,7 @@ TcpMesh::~TcpMesh() {
   }
 }
 
-/// The thread has ended: runs what its last closes have left, so that no handler keeps a link.
+/// The thread has ended: runs the handlers of the last closes, so that none keeps a link.
 void TcpMesh::release() {
   for (const auto& [serial, link] : std::exchange(links_, {})) {
     std::error_code ignored;
@@ -75,9 +75,9 @@ void TcpMesh::run() {
       context_.run();
       return;
     } catch (const std::exception& fault) {
-      // Out of memory at worst. The thread goes on; what was being handled is cut by its deadline.
+      // Out of memory at worst. The thread goes on; the link concerned is cut by its deadline.
       report_.count(&StrangerStatus::refused, std::string("internal: ") + fault.what());
-      arm_sweep();  // it may have been the sweep
+      arm_sweep();  // in case the sweep has thrown
     }
   }
 }
@@ -105,8 +105,8 @@ void TcpMesh::on_accepted(const std::shared_ptr<TcpLink>& link) {
   handshake_.start(*link);
 }
 
-/// Closes one of those that are no peers yet where there are too many: whoever opens connections
-/// and goes on with none must not keep others out.
+/// Closes one unfinished connection if there are too many: idle connections must not keep others
+/// out.
 void TcpMesh::make_room() {
   std::vector<Asking> keying, greeting;
   for (const auto& [serial, link] : links_) {
@@ -121,8 +121,7 @@ void TcpMesh::make_room() {
       links_.size() < options_.max_peers + kMaxExtraLinks) {
     return;
   }
-  // Whoever has the session key does not give way to those who may not have it, unless he takes
-  // many places himself.
+  // A connection with the session key does not give way to one without, unless its key has many.
   const bool crowded =
       security_ && std::ranges::any_of(greeting, [&](const Asking& each) {
         return std::ranges::count(greeting, each.key, &Asking::key) > kMaxGreetingOfKey;
@@ -145,7 +144,7 @@ void TcpMesh::arm_sweep() {
 
 void TcpMesh::sweep() {
   const SteadyTime now = Clock::now();
-  // This process slept: what came meanwhile is still to be read, nobody was idle.
+  // This process slept: received data is still to be read, and nobody was idle.
   const bool slept = now - last_sweep_ > options_.idle_timeout / 2;
   last_sweep_ = now;
 

@@ -25,11 +25,11 @@
 
 namespace tandem::net {
 
-/// The network thread: its links, what the frames of peers mean, and the time by one periodic
-/// sweep. All state but the table and the report belongs to that thread.
+/// The network thread: its links, the meaning of peers' frames, and one periodic sweep for
+/// timeouts. All state but the table and the report belongs to that thread.
 class TcpMesh final : private TcpLinkOwner {
  public:
-  /// `security` may be null: frames in the clear. Throws std::system_error where it cannot listen.
+  /// `security` may be null: frames in the clear. Throws std::system_error if it cannot listen.
   TcpMesh(const TcpOptions& options, PeerTable& table, TcpReport& report,
           std::unique_ptr<TcpSecurity> security);
   ~TcpMesh();
@@ -54,9 +54,9 @@ class TcpMesh final : private TcpLinkOwner {
   void begin_shutdown();
   void release();
   std::shared_ptr<TcpLink> new_link();
-  /// To be connected by a dial.
+  /// For a dial.
   std::shared_ptr<TcpLink> open(std::uint64_t dial);
-  /// The links as they are now, for loops that may close some.
+  /// The present links, for loops that may close some.
   std::vector<std::shared_ptr<TcpLink>> snapshot() const;
   TcpLink* find_link(std::uint64_t serial);
 

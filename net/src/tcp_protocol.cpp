@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// TcpMesh: what the frames mean. Every byte here comes from a stranger.
+// TcpMesh: meaning of frames. All bytes are untrusted.
 #include <algorithm>
 #include <asio/post.hpp>
 #include <utility>
@@ -48,7 +48,7 @@ void TcpMesh::on_attached(TcpLink& link, const PeerTable::AttachResult& result) 
   link.kick();
 }
 
-/// Tells a newcomer of the others, and the others of it.
+/// Announces a newcomer to the others, and the others to it.
 void TcpMesh::introduce(TcpLink& newcomer) {
   const auto send = [](TcpLink& link, std::span<const PeerAddress> addresses) {
     link.send(FrameType::Addresses, [&](pbd::ByteWriter& writer) { encode(writer, addresses); });
@@ -72,7 +72,7 @@ void TcpMesh::on_malformed(TcpLink& link, const std::string& reason) {
   link.leave("dropped: " + reason, now + kLinger);
 }
 
-/// Not the peer's doing: it is not held against it, and both set up a new connection.
+/// Not the peer's fault: it is not held against it, and both set up a new connection.
 void TcpMesh::on_forged(TcpLink& link, const std::string& reason) {
   report_.count(&StrangerStatus::forged, reason);
   if (link.phase != TcpLink::Phase::Attached) return link.close(reason);
@@ -98,7 +98,7 @@ void TcpMesh::on_peer_frame(TcpLink& link, const FrameBuffer::Frame& frame) {
       return;
     }
     case FrameType::GroupChange:
-      // Everybody checks it, so that nobody passes on what the organiser has not signed.
+      // Verified by everybody, so that nobody forwards an unsigned change.
       if (security_ && take_group_change(frame.payload) != Credentials::Changed::Forged) return;
       return on_malformed(link, "group change that the organiser has not signed");
     case FrameType::Addresses:
@@ -167,7 +167,7 @@ void TcpMesh::on_closed(TcpLink& link, const std::string& reason) {
   if (link.times.attached != SteadyTime{}) {
     dialler_.redial(peer, Clock::now() - link.times.attached > options_.backoff_max);
   }
-  // A listener that has another key says nothing.
+  // A listener with another key does not answer.
   const bool silent = link.keying.exchange && !reason.starts_with("peer: ");
   const char* const hint = silent ? " (has it the same session key?)" : "";
   if (link.dial != 0) dialler_.on_failure(link.dial, reason + hint);

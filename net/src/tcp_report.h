@@ -12,20 +12,20 @@
 
 namespace tandem::net {
 
-/// What the network thread says of dials and of strangers, for the application's thread.
+/// The network thread's reports of dials and strangers, for the application's thread.
 class TcpReport {
  public:
   void set_dials(std::vector<DialStatus> dials) {
     const std::lock_guard lock(mutex_);
     dials_ = std::move(dials);
   }
-  /// Whether they are connected now, the table knows.
+  /// Whether they are connected is in the table.
   std::vector<DialStatus> dials() const {
     const std::lock_guard lock(mutex_);
     return dials_;
   }
 
-  /// One more of these, StrangerStatus::accepted and so on.
+  /// Counts one of these, StrangerStatus::accepted and so on.
   void count(std::uint64_t StrangerStatus::*what, const std::string& reason = {}) {
     const std::lock_guard lock(mutex_);
     ++(strangers_.*what);

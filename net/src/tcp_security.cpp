@@ -11,13 +11,13 @@ namespace tandem::net {
 
 namespace {
 
-// Connections that may ask for keys. Above what UDP allows: each failure costs a redial here, and a
+// Connections that may ask for keys. More than over UDP: each failure costs a redial here, and a
 // mesh of sixteen on one machine comes from one address.
 constexpr double kRate = 8.0;  // per s and address
 constexpr double kBurst = 32.0;
 constexpr double kTotal = 1000.0;  // per s
 
-/// Both ends hash what they believe to be doing: nothing of UDP, nor of another version, fits.
+/// Hashed by both ends: no message of UDP or of another version fits.
 std::vector<std::uint8_t> tcp_prologue() {
   constexpr std::string_view kLabel = "tandem tcp";
   std::vector<std::uint8_t> out(kLabel.begin(), kLabel.end());
@@ -106,7 +106,7 @@ std::string TcpSecurity::expelled(const Member& member) const {
 Credentials::Changed TcpSecurity::change_group(std::span<const std::byte> signed_change) {
   using Changed = Credentials::Changed;
   const Changed changed = own_.change(signed_change, session_);
-  // Who has no organiser knows nobody who could have signed it.
+  // Without an organiser no signature can be checked.
   return changed == Changed::Forged && !own_.organiser ? Changed::Known : changed;
 }
 

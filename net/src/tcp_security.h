@@ -19,7 +19,7 @@
 
 namespace tandem::net {
 
-// Keys of TCP connections, and whom they are given to. Times are ns of a steady clock.
+// Keys of TCP connections, and who gets them. Times are ns of a steady clock.
 
 /// Both directions of one connection.
 struct LinkCipher {
@@ -30,11 +30,12 @@ struct LinkCipher {
   StreamOpener opener;
 };
 
-/// The end of a key exchange: the other end has the session key, or is a recording of one that had.
+/// Result of a key exchange: the other end has the session key, or is a recording of a peer with
+/// it.
 struct LinkKeys {
   std::unique_ptr<LinkCipher> cipher;
   Key remote{};                    // public key of the other end
-  std::vector<std::byte> badge;    // why it may go by its id, see Credentials
+  std::vector<std::byte> badge;    // its right to its id, see Credentials
   std::vector<std::byte> message;  // the listener's answer
 };
 
@@ -44,7 +45,7 @@ class KeyExchange {
   KeyExchange(const crypto::Secret& session_key, const Credentials& own,
               const crypto::Random& random);
   std::span<const std::byte> message() const { return std::as_bytes(std::span(message_)); }
-  /// None where the answer is not of one that has the session key.
+  /// None if the answerer does not have the session key.
   std::optional<LinkKeys> finish(std::span<const std::byte> answer, std::int64_t now) const;
 
  private:
@@ -52,26 +53,26 @@ class KeyExchange {
   std::vector<std::uint8_t> message_;
 };
 
-/// Who this process is, and whom it lets in.
+/// Identity of this process, and admission of others.
 class TcpSecurity {
  public:
   /// @pre the options have a session key
   explicit TcpSecurity(const TcpOptions& options);
 
-  /// Whether to listen to somebody at that address (IPv6, or IPv4 mapped into it) once more.
+  /// Whether one more connection from that address (IPv6, or IPv4 mapped into it) is allowed.
   bool allow(const std::array<std::uint8_t, 16>& ip, std::int64_t now);
-  /// @param attempt  how often that address has been dialled: keys take turns
+  /// @param attempt  number of dials of that address: session keys take turns
   std::unique_ptr<KeyExchange> ask(std::uint64_t attempt) const;
-  /// The listener's half. None where the question is not of one that has the session key.
+  /// The listener's half. None if the dialler does not have the session key.
   std::optional<LinkKeys> answer(std::span<const std::byte> question, std::int64_t now) const;
-  /// Whether whoever has that key may be that peer, and as what.
-  /// @return why not; empty where it may
+  /// Whether the owner of that key may be that peer, and in which role.
+  /// @return why not; empty if it may
   std::string judge(PeerId peer, const Key& remote, std::span<const std::byte> badge,
                     Member& member) const;
-  /// Why what was a member is none any more; empty where it is.
+  /// Why a member no longer is one; empty if it is.
   std::string expelled(const Member& member) const;
   Credentials::Changed change_group(std::span<const std::byte> signed_change);
-  /// With what the organiser has said since.
+  /// With the organiser's changes since.
   const Credentials& credentials() const { return own_; }
 
  private:

@@ -10,7 +10,7 @@
 
 namespace tandem::net {
 
-/// While it lives, waiting ends within 1 ms of when it should; on Windows that would be 16 ms.
+/// For its lifetime waits are accurate to 1 ms; the default on Windows is 16 ms.
 class TimerResolution {
  public:
 #ifdef _WIN32

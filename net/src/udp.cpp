@@ -19,7 +19,7 @@ void UdpOptions::validate() const {
   for (const HostPort& peer : connect) {
     check(!peer.host.empty() && peer.port != 0, "connect", to_string(peer), "HOST:PORT");
   }
-  // A key is not for error messages.
+  // Keys do not appear in error messages.
   check(session_key != Key{}, "session_key", std::string("zero"), "secret");
   for (const TrustedPeer& each : trusted) {
     check(each.peer != 0 && each.peer != self, "trusted", each.peer, "ids of other peers");

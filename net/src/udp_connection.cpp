@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kGoodbyes = 3;                      // any of them may be lost
 constexpr std::int64_t kGoodbyeGap = 20'000'000;  // ns
-constexpr std::int64_t kLossCheck = 10'000'000;   // ns, how exactly a timeout is kept
+constexpr std::int64_t kLossCheck = 10'000'000;   // ns, precision of timeouts
 static_assert(kProtectedOverhead + kChannelHeader + kPieceHeader + kMaxPieceBytes <=
               MtuSearch::kMin);
 
@@ -32,7 +32,7 @@ UdpConnection::UdpConnection(const Session& session, const UdpConnectionOptions&
       began_here_(began_here),
       silence_{
           .heard = now,
-          .sent = now - options.idle_timeout,  // the first packet tells the other end at once
+          .sent = now - options.idle_timeout,  // so that the first packet leaves at once
           .patience =
               began_here ? std::min(options.idle_timeout, kConfirmTime) : options.idle_timeout,
           .idle_keep_alive =
@@ -88,7 +88,7 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
   rate_.update(channels_.take_feedback(), channels_.rtt(), now);
   Pacer& pacer = rate_.pacer();
 
-  // Not before somebody has answered: a probe that nobody is there to take says nothing.
+  // Not before the other end has answered: else a lost probe says nothing.
   const std::size_t probe = channels_.rtt().any() ? channels_.probe_due(now) : 0;
   if (probe != 0 && pacer.ready(now)) {
     plain_.clear();
@@ -98,7 +98,7 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
     return out;
   }
 
-  // Acknowledgements alone are small and do not wait: late ones would look like loss.
+  // Acknowledgements alone are small and are not delayed: late ones would look like loss.
   if (clock != nullptr) clock_turns_.begin(now);
   const bool tells_clock = clock != nullptr && clock_turns_.is_due_alone(now);
   const bool must =
@@ -108,7 +108,7 @@ std::span<const std::byte> UdpConnection::poll(std::int64_t now, const ClockClai
   if (content && !ready) rate_.hold_back();
   if (!must && !(content && ready)) return {};
   plain_.clear();
-  // A long state does not wait for the next packet because of the clock, but once in a while.
+  // The clock may delay a long state to the next packet only once in a while.
   const bool rides =
       clock != nullptr && clock_turns_.rides(now) && ready && channels_.fits(room() - kClockBytes);
   if (!tells_clock && !rides) clock = nullptr;
@@ -199,7 +199,7 @@ void UdpConnection::read(std::int64_t now) {
   switch (channels_.read(opened->sequence, opened->plain, now)) {
     case Channels::Read::Ok:
     case Channels::Read::Full:
-      // Whoever has been told comes back after a while, and with a new budget.
+      // A peer that was dropped may come back after a while, with a new budget.
       if (channels_.inbox().budget().abused())
         leave(std::string("dropped: ") + MemberBudget::kReason, now);
       break;

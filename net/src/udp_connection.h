@@ -22,58 +22,57 @@ struct UdpConnectionOptions {
   ChannelOptions channels;
   CongestionOptions congestion;
   RekeyPolicy rekey;
-  /// The most that is tried, in [548, kMaxDatagram]; 548 for an MTU of 576.
+  /// upper limit of the path MTU search, in [548, kMaxDatagram]; 548 for an MTU of 576
   std::size_t max_datagram = kMaxDatagram;
   std::int64_t idle_timeout = 5'000'000'000;
 };
 
 /// One connection after its handshake: datagrams in, datagrams out, messages for the application.
-/// No socket and no clock; times are ns of any clock that does not go back.
+/// No socket and no clock; times are ns of any monotonic clock.
 class UdpConnection {
  public:
   enum class State { Open, Leaving, Closed };
 
-  /// @param began_here  else nothing is sent before the other end is confirmed: its address would
-  ///   get more than came from there
+  /// @param began_here  false: nothing is sent before the other end is confirmed, else its address
+  /// would get more than came from there
   UdpConnection(const Session& session, const UdpConnectionOptions& options, bool began_here,
                 std::int64_t now);
-  /// Whoever has answered a handshake answers under its keys in this time, or has forgotten it, ns.
+  /// ns: a peer that has answered a handshake confirms its keys within this time, or has forgotten
+  /// it.
   static constexpr std::int64_t kConfirmTime = 2'000'000'000;
 
-  /// False where it is dropped at once: closed, too long, queue of reliable messages full.
+  /// False if it is dropped at once: closed, too long, queue of reliable messages full.
   bool post(std::span<const std::byte> bytes, consensus::Delivery delivery, std::int64_t now);
 
-  /// The next datagram to send, empty where none is due yet. Valid until the next call. Call until
-  /// it is empty. @param clock  what to say of the own clock at `now`; null: nothing, ever
+  /// The next datagram to send, empty if none is due. Valid until the next call. Call until it is
+  /// empty. @param clock  the own clock at `now`; null: never sent
   std::span<const std::byte> poll(std::int64_t now, const ClockClaim* clock = nullptr);
-  /// When poll() will have something, if nothing comes or is posted before.
+  /// When poll() will return a datagram, if nothing comes or is posted before.
   std::int64_t next_due(std::int64_t now);
-  /// A datagram with this connection's receiver number. False where it was not opened.
+  /// A datagram with this connection's receiver number. False if it was not opened.
   bool on_datagram(std::span<const std::byte> datagram, std::int64_t now) {
     if (!open(datagram, now)) return false;
     read(now);
     return true;
   }
-  /// The same in two steps: who has sealed it is known after the first, what is in it counts with
-  /// the second.
+  /// on_datagram() in two steps: the first authenticates the sender, the second applies the
+  /// contents.
   bool open(std::span<const std::byte> datagram, std::int64_t now);
   void read(std::int64_t now);
 
-  /// A datagram of or for a third peer, sealed and not looked into.
+  /// A sealed datagram of or for a third peer.
   struct Relayed {
-    bool forward = false;  // it is for `peer`; else it is from there
+    bool forward = false;  // whether it is for `peer`; else from there
     consensus::PeerId peer = 0;
     std::span<const std::byte> datagram;
   };
-  /// To be sent at once; empty where this connection does not send any more. Valid until the next
-  /// call.
+  /// To be sent at once; empty if this connection no longer sends. Valid until the next call.
   std::span<const std::byte> seal(const Relayed& relayed, std::int64_t now);
-  /// What the last read() has found. Valid until the next open().
+  /// From the last read(). Valid until the next open().
   std::optional<Relayed> take_relayed() { return std::exchange(relayed_, {}); }
 
-  /// Ask the other end, on some way to it, to say `token` again, or say what it has asked for. To
-  /// be sent at once; empty where this connection does not send any more. Valid until the next
-  /// call.
+  /// Ask the other end, on any path, to echo `token`, or echo its token. To be sent at once; empty
+  /// if this connection no longer sends. Valid until the next call.
   std::span<const std::byte> seal_challenge(std::uint64_t token, std::int64_t now) {
     return seal_path(ChannelSection::Kind::Challenge, token, now);
   }
@@ -81,22 +80,22 @@ class UdpConnection {
     return seal_path(ChannelSection::Kind::Answer, token, now);
   }
   static constexpr std::size_t kQuestionBytes = kProtectedOverhead + kChannelHeader + kPathBytes;
-  /// The packet that was opened and not read yet has the highest number so far.
+  /// Whether the packet opened and not read yet has the highest number so far.
   bool is_newest() const { return opened_ && opened_->sequence == opener_.window().latest(); }
-  /// Of the next packet that is sealed.
+  /// Of the next packet to be sealed.
   std::uint64_t next_sequence() const { return sealer_.next_sequence(); }
-  /// It goes another way from now on: what was learned of the one before does not hold.
+  /// A new path: start the estimates over.
   void begin_path(std::int64_t now);
 
-  /// Say goodbye, then be Closed.
+  /// Send goodbyes, then be Closed.
   void leave(const std::string& reason, std::int64_t now);
 
   State state() const { return state_; }
   /// Why it is leaving or closed.
   const std::string& reason() const { return reason_; }
-  /// A packet has come that only the other end could have sealed, now.
+  /// Whether a live packet has come that only the other end could have sealed.
   bool confirmed() const { return silence_.confirmed; }
-  /// Nothing has come for so long that it may have gone.
+  /// Whether it has been silent for so long that it may have gone.
   bool silent(std::int64_t now) const { return now - silence_.heard > options_.idle_timeout / 2; }
   std::int64_t last_heard() const { return silence_.heard; }
   const Session& session() const { return session_; }
@@ -107,14 +106,14 @@ class UdpConnection {
   std::uint64_t rejected() const { return rejected_; }
 
  private:
-  /// How long either end has been silent and may be, ns.
+  /// Silence of either end and its limits, ns.
   struct Silence {
-    std::int64_t heard = 0;            ///< when, last
-    std::int64_t sent = 0;             ///< likewise
-    std::int64_t patience = 0;         ///< nothing heard for so long: it is closed
+    std::int64_t heard = 0;            ///< time of the last packet received
+    std::int64_t sent = 0;             ///< time of the last packet sent
+    std::int64_t patience = 0;         ///< longest silence of the other end before closing
     std::int64_t idle_keep_alive = 0;  ///< of a confirmed connection
     bool confirmed = false;
-    /// Nothing sent for so long: something is.
+    /// Longest silence before a packet is sent.
     std::int64_t keep_alive() const {
       return confirmed ? idle_keep_alive : std::min(idle_keep_alive, kConfirmTime / 8);
     }

@@ -9,7 +9,7 @@ namespace tandem::net {
 
 namespace {
 
-constexpr std::int64_t kToldLife = 30'000'000'000;  // ns, of an address after it was told last
+constexpr std::int64_t kToldLife = 30'000'000'000;  // ns, of an address after its last announcement
 constexpr std::size_t kMaxTold = 64;                // dials
 constexpr std::ptrdiff_t kMaxToldBy = 16;           // by one member
 constexpr std::ptrdiff_t kMaxToldOf = 4;            // addresses of one peer
@@ -74,7 +74,7 @@ void UdpDials::finish(Dial& dial, std::int64_t now) {
   dial.due = now + dial.backoff;
   dial.backoff = std::min(2 * dial.backoff, options_.backoff_max);
   if (state != State::Done) {
-    // Who is refused because its predecessor was there a moment ago is let in soon.
+    // A successor refused because of its recently present predecessor is soon let in.
     if (state == State::Refused && attempt->verdict() == Verdict::Outdated) {
       dial.backoff = options_.backoff_min;
     }
@@ -94,7 +94,7 @@ bool UdpDials::is_wanted(const Dial& dial) const {
   const UdpPeers::Record* record = peers_.record(dial.peer);
   if (record == nullptr) return true;
   if (record->dropped || !options_.handshake.stands(record->member)) return false;
-  // Also where it is connected by a relay only, and this is the straight way.
+  // A peer connected through a relay only, to which this is the direct path, is wanted too.
   return record->connection == nullptr ||
          (!is_relayed(dial.address) && !peers_.is_attached_directly(dial.peer));
 }
@@ -106,7 +106,7 @@ void UdpDials::poll(Dial& dial, std::int64_t now) {
   }
   if (!dial.attempt) {
     if (now < dial.due) return;
-    // In turn: whoever is dialled may not have heard of the last change yet.
+    // Keys in turn: the dialled peer may not have the last change yet.
     const std::size_t key = dial.attempts++ % options_.handshake.key_count();
     dial.attempt = std::make_unique<HandshakeInitiator>(options_.handshake, random_,
                                                         hooks_.next_receiver(), now, key);
@@ -121,7 +121,7 @@ void UdpDials::poll(std::int64_t now) {
 }
 
 std::int64_t UdpDials::next_due(std::int64_t now) const {
-  constexpr std::int64_t kHandshakeStep = 10'000'000;  // how exactly its resends are kept
+  constexpr std::int64_t kHandshakeStep = 10'000'000;  // precision of its resends
   std::int64_t due = INT64_MAX;
   for (const Dial& dial : dials_) {
     if (!is_wanted(dial)) continue;

@@ -18,12 +18,12 @@
 
 namespace tandem::net {
 
-/// The addresses at which a node asks for connections, and the handshakes there. Times in ns.
+/// Addresses that a node dials, and their handshakes. Times in ns.
 class UdpDials {
  public:
   using PeerId = consensus::PeerId;
 
-  /// How the rest of the node takes part.
+  /// Callbacks into the node.
   struct Hooks {
     HandshakeResponder::NextReceiver next_receiver;
     SendDatagram send;
@@ -34,38 +34,38 @@ class UdpDials {
            Hooks hooks)
       : options_(options), random_(random), peers_(peers), hooks_(std::move(hooks)) {}
 
-  /// Keep trying to have a connection to whoever is there.
+  /// Keep dialling until the peer there is connected.
   void add(const Address& address, std::int64_t now, std::size_t key) {
     if (std::ranges::find(dials_, address, &Dial::address) != dials_.end()) return;
     dials_.push_back(
         {.address = address, .due = now, .backoff = options_.backoff_min, .attempts = key});
   }
-  /// Try it no more.
+  /// Stop dialling.
   void remove(const Address& address) {
     std::erase_if(dials_, [&](const Dial& dial) { return dial.address == address; });
   }
-  /// An address that the connected peer `teller` has told of, until nobody does any more.
+  /// An address announced by the connected peer `teller`, until the announcements end.
   void add_told(const KnownPeer& known, PeerId teller, std::int64_t now);
   /// A peer that can be reached through others only.
   void add_relayed(PeerId peer, std::int64_t now);
   void forget_told(std::int64_t now);
 
-  /// The answer of a responder.
+  /// A responder's answer.
   void on_datagram(std::span<const std::byte> datagram, const Address& from, std::int64_t now);
-  /// Sends what is due.
+  /// Sends due datagrams.
   void poll(std::int64_t now);
   std::int64_t next_due(std::int64_t now) const;
   /// The peer has a connection, to this address.
   void on_attached(PeerId peer, const Address& address);
-  /// There is another session key: handshakes begin again.
+  /// The session key has changed: handshakes begin again.
   void on_group_change();
-  /// A handshake that is under way has given out this number.
+  /// Whether a handshake in progress uses this number.
   bool has_promised(std::uint32_t receiver) const;
 
  private:
   struct Dial {
     Address address;
-    PeerId peer = 0;  // 0 until it has told
+    PeerId peer = 0;  // 0 until known
     std::unique_ptr<HandshakeInitiator> attempt;
     std::int64_t due = 0;
     std::int64_t backoff = 0;

@@ -12,7 +12,7 @@ using consensus::PeerId;
 
 namespace {
 
-constexpr std::int64_t kMeshPeriod = 250'000'000;       // ns, between two looks for relays
+constexpr std::int64_t kMeshPeriod = 250'000'000;       // ns, interval of looking for relays
 constexpr std::int64_t kRelayPatience = 2'000'000'000;  // ns
 
 }  // namespace
@@ -64,7 +64,7 @@ void UdpNode::hang_up(std::uint64_t path, const std::string& reason, std::int64_
 bool UdpNode::on_datagram(std::span<const std::byte> datagram, const Address& from,
                           std::int64_t now) {
   now_ = now;
-  if (from.port == 0) {  // nobody sends from there
+  if (from.port == 0) {  // no datagram comes from port 0
     ++unknown_;
     return false;
   }
@@ -90,7 +90,7 @@ bool UdpNode::receive(std::span<const std::byte> datagram, const Address& from, 
 bool UdpNode::on_packet(const ProtectedHeader& header, std::span<const std::byte> datagram,
                         const Address& from, std::int64_t now) {
   const auto at = peers_.connections().find(header.receiver);
-  // A relayed datagram is not relayed any further.
+  // A relayed datagram is not relayed further.
   if (at == peers_.connections().end() || !at->second.path.may_be_at(from) ||
       (header.relay && is_relayed(from))) {
     ++unknown_;
@@ -99,7 +99,7 @@ bool UdpNode::on_packet(const ProtectedHeader& header, std::span<const std::byte
   Connection& connection = at->second;
   UdpConnection& link = *connection.link;
   const bool elsewhere = !connection.path.is_at(from);
-  // Also where a copy of it was here before: then it is not opened.
+  // Also for a copy received before, which is not opened.
   if (!elsewhere) connection.path.refute(header.sequence);
   const bool first = !link.confirmed();
   if (!link.open(datagram, now)) {
@@ -126,7 +126,7 @@ bool UdpNode::on_packet(const ProtectedHeader& header, std::span<const std::byte
   ChannelInbox& inbox = link.channels().inbox();
   for (const KnownPeer& known : inbox.take_told()) told(peer, known, now);
   const auto change = inbox.take_group_change();
-  // Everybody checks it, so that nobody passes on what the organiser has not signed.
+  // Verified by everybody, so that nobody forwards an unsigned change.
   if (!change.empty() && change_group(change, now) == Credentials::Changed::Forged &&
       options_.handshake.organiser) {
     link.leave("dropped: group change that the organiser has not signed", now);
@@ -185,7 +185,7 @@ void UdpNode::poll(std::int64_t now) {
     Connection& connection = at->second;
     peers_.introduce(connection, now);
     if (connection.path.poll(transmit_, random_, now)) {
-      // Where the others are may have been told to where it was.
+      // Announcements of other peers may have gone to the old address.
       connection.told_to = 0;
       connection.tell_due = now;
       ++moves_;

@@ -15,29 +15,31 @@
 
 namespace tandem::net {
 
-/// Of a UdpNode. Times in ns.
+/// Options of a UdpNode. Times in ns.
 struct UdpNodeOptions {
   HandshakeConfig handshake;
   UdpConnectionOptions connection;
   std::size_t max_peers = 64;
-  /// Of whom who has gone is remembered, at most; and with those who are there 2 * max_peers.
+  /// Peers that have left and are remembered, at most; those present included, 2 * max_peers.
   std::size_t max_departed = SIZE_MAX;
   std::int64_t backoff_min = 100'000'000;
   std::int64_t backoff_max = 3'000'000'000;
   std::int64_t drop_hold = 1'000'000'000;
-  bool relay = true;  ///< for others, and by others
-  /// Members tell each other of third ones and dial whom they are told of; false: whoever drives
-  /// the node says whom to meet.
+  bool relay = true;  ///< relay for others, and be relayed
+  /// Whether members announce third peers and dial the announced ones; false: the owner of the node
+  /// dials.
   bool introduces = true;
-  double relay_kbit = 256.0;  ///< from each peer, for others
+  double relay_kbit = 256.0;  ///< budget of each peer for relaying
   Clock clock = Clock::Session;
-  /// DatagramPath::max_datagram() of the path with this number; empty: what fits into another one.
+  /// DatagramPath::max_datagram() of the path with this number; empty: the size for a relayed
+  /// datagram.
   std::function<std::size_t(std::uint64_t path)> path_limit;
-  /// Where this node is reached without a path. The peers of prefer_direct() are told, and spoken
-  /// to from socket to socket where that works. Such a node is polled every few ms.
+  /// Addresses of this node without a path. They are announced to the peers of prefer_direct(),
+  /// which are then addressed from socket to socket if that works. Such a node is polled every few
+  /// ms.
   std::vector<Address> direct_addresses;
   std::int64_t start = 0;       // the time at construction
-  std::int64_t correction = 0;  // session time minus that, to begin with
+  std::int64_t correction = 0;  // initial session time minus that
 };
 
 }  // namespace tandem::net

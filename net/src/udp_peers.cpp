@@ -10,14 +10,14 @@ namespace tandem::net {
 
 namespace {
 
-/// Connections that somebody else has begun and not gone on with, of one key and of all. Who goes
-/// on does so in one round trip: 427 ms at 300 a second.
+/// Unconfirmed connections begun by other peers, of one key and of all. An honest peer confirms in
+/// one round trip: 427 ms at 300 a second.
 constexpr std::size_t kMaxUnconfirmedOfKey = 32;
 constexpr std::size_t kMaxUnconfirmed = 128;
 constexpr std::int64_t kTellPeriod = 2'000'000'000;  // ns
-constexpr std::size_t kTellAtOnce = 4;               // peers in a turn
+constexpr std::size_t kTellAtOnce = 4;               // peers per turn
 
-/// A path is ours alone. Whoever hears of no address knows whom to ask for him all the same.
+/// A path is local to us. An announcement without an address still shows whom to ask for a relay.
 Address told_address(const Address& address) { return is_path(address) ? Address{} : address; }
 
 }  // namespace
@@ -50,14 +50,14 @@ bool UdpPeers::is_taken(const Record& record, const Member& member, std::int64_t
 Verdict UdpPeers::decide(const Introduction& other, const Member& member, const Address& from,
                          std::int64_t now) {
   if (leaving_) return Verdict::Full;
-  // Whoever passes the handshake on could be its other end.
+  // The forwarding peer could be the other end itself.
   if (is_relayed(from) && !member.bound) return Verdict::Unbound;
   const Record* found = record(other.peer);
   const bool is_here = found != nullptr && found->connection != nullptr;
   if (found != nullptr && now < found->hold_until) return Verdict::OnHold;
   if (is_here && is_taken(*found, member, now)) return Verdict::Taken;
-  // An incarnation says which of two processes is meant. It comes from a clock that may be wrong,
-  // so that of one that is gone says nothing.
+  // The incarnation orders two processes of one peer. It comes from a clock that may be wrong, so
+  // that of one that has left is ignored.
   if (is_here && other.incarnation < found->incarnation && !found->connection->link->silent(now)) {
     return Verdict::Outdated;
   }
@@ -67,7 +67,7 @@ Verdict UdpPeers::decide(const Introduction& other, const Member& member, const 
   }
   const auto confirmed = std::ranges::count_if(
       connections_, [](const auto& entry) { return entry.second.link->confirmed(); });
-  // As many again that are leaving.
+  // Twice as many, as some are leaving.
   return static_cast<std::size_t>(confirmed) < 2 * options_.max_peers ? Verdict::Welcome
                                                                       : Verdict::Full;
 }
@@ -76,7 +76,7 @@ UdpPeers::Connection& UdpPeers::add(const Session& session, const Address& addre
                                     std::int64_t now) {
   if (!began_here) forget_unconfirmed(session.member.key);
   UdpConnectionOptions options = options_.connection;
-  // In other datagrams, whose length is not ours to choose.
+  // Carried in other datagrams, which limit the length.
   if (address.port == 0) {
     const bool known = is_path(address) && options_.path_limit != nullptr;
     options.max_datagram = std::min(
@@ -110,7 +110,7 @@ void UdpPeers::forget_unconfirmed(const crypto::PublicKey& key) {
     all.push_back({member.key, network_of(connection.path.address()), connection.opened, receiver});
     if (member.key == key) ++of_key;
   }
-  // Anybody with the session key can name any member's: of one key those of other networks stay.
+  // Anybody with the session key can name any member's key: connections of other networks stay.
   if (of_key >= kMaxUnconfirmedOfKey) {
     std::erase_if(all, [&key](const Asking& each) { return each.key != key; });
   } else if (all.size() < kMaxUnconfirmed) {
@@ -135,7 +135,7 @@ void UdpPeers::forget_departed() {
   auto oldest = records_.end();
   for (auto at = records_.begin(); at != records_.end(); ++at) {
     if (at->second.connection != nullptr) continue;
-    // Of those who have hardly been here first.
+    // First those that stayed briefly.
     const auto worth = [](const Record& record) {
       return std::tuple(record.seniority.stayed(), record.departure);
     };
@@ -146,7 +146,7 @@ void UdpPeers::forget_departed() {
 
 bool UdpPeers::attach(Connection& connection, std::int64_t now) {
   const Introduction& remote = connection.link->session().remote;
-  // Asked again: several may have been half open when there was room for one.
+  // Checked again: several may have been half open when there was room for one.
   if (attached(remote.peer) == nullptr && attached_count() >= options_.max_peers) {
     Record* const guest = guest_in_place_of(remote.peer, connection.link->session().member);
     if (guest == nullptr) {
@@ -218,7 +218,7 @@ void UdpPeers::detach(Connection& connection) {
 }
 
 void UdpPeers::shed_departed() {
-  // What waits for those that are gone: of the latest only.
+  // Keep undelivered messages for the latest departed peers only.
   std::size_t count = 0;
   Record* oldest = nullptr;
   for (auto& [peer, record] : records_) {
@@ -356,7 +356,7 @@ void UdpPeers::introduce(Connection& connection, std::int64_t now) {
   }
   if (!options_.introduces) return;
   const PeerId other = connection.link->session().remote.peer;
-  // The next ones in the order of their ids, after whom it was told of last.
+  // The next ones by id, after the last one announced.
   std::size_t told = 0;
   auto at = records_.upper_bound(connection.told_to);
   for (; at != records_.end() && told < kTellAtOnce; ++at) {

@@ -12,27 +12,26 @@
 
 namespace tandem::net {
 
-/// Datagrams that go through a third peer: our own through others, and those of others through us.
-/// Times in ns.
+/// Datagrams forwarded by a third peer: our own by others, and others' by us. Times in ns.
 class UdpRelay {
  public:
   using PeerId = consensus::PeerId;
 
-  /// @param send  to an address that is not relayed
+  /// @param send  sends to an address that is not relayed
   UdpRelay(const UdpNodeOptions& options, UdpPeers& peers, SendDatagram send)
       : options_(options), peers_(peers), send_(std::move(send)) {}
 
-  /// Straight there, or through a third peer where the address is relayed.
+  /// Directly, or through a third peer if the address is relayed.
   void send(std::span<const std::byte> datagram, const Address& to, std::int64_t now);
-  /// Through whom packets to `peer` go; 0: straight there, or nowhere.
+  /// The peer that forwards packets to `peer`; 0: direct, or not connected.
   PeerId relay_of(PeerId peer) const;
 
-  /// What the other end of `from` has handed over: passed on where it is for a third peer. True
-  /// where it is for us, as if it had come from relayed_address(relayed.peer).
+  /// A datagram delivered by the other end of `from`: forwarded if it is for a third peer. True if
+  /// it is for us, as if it had come from relayed_address(relayed.peer).
   [[nodiscard]] bool take(UdpPeers::Connection& from, const UdpConnection::Relayed& relayed,
                           std::int64_t now);
 
-  /// Who is connected to whom.
+  /// Which peers are connected to each other.
   Acquaintances& acquaintances() { return acquaintances_; }
 
   const UdpRelayed& counters() const { return counters_; }

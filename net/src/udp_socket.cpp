@@ -12,13 +12,13 @@ namespace tandem::net {
 
 namespace {
 
-constexpr int kReads = 4;  // batches before something else gets its turn
+constexpr int kReads = 4;  // batches before other work gets its turn
 constexpr std::chrono::milliseconds kFloodPause{2};
 constexpr std::int64_t kGoodbyeTime = 100'000'000;   // ns, for the last packets
 constexpr std::int64_t kLongestSleep = 100'000'000;  // ns
 constexpr std::size_t kPathWaiting = 1024;           // datagrams
 
-/// What the system clock is ahead of the steady one.
+/// System clock minus steady clock.
 std::int64_t system_correction(std::int64_t steady) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
@@ -63,7 +63,7 @@ UdpSocket::~UdpSocket() {
     wake();
   }
   thread_.join();
-  // Before what they call is gone.
+  // Before the objects that they call are destroyed.
   for (const auto& path : paths_) {
     if (path) path->receive({});
   }
@@ -100,7 +100,7 @@ void UdpSocket::disconnect(const DatagramPath& path) {
     if (at == paths_.end()) return;
     const std::int64_t time = now();
     node_.hang_up(static_cast<std::uint64_t>(at - paths_.begin()), "its path was taken away", time);
-    node_.poll(time);  // says so to the other end
+    node_.poll(time);  // tells the other end
     old = std::exchange(*at, nullptr);
   }
   old->receive({});
@@ -130,7 +130,7 @@ void UdpSocket::run() {
   try {
     for (Lookup& lookup : lookups_) look_up(lookup);
   } catch (const std::exception&) {
-    // No memory: who cannot be dialled may still dial us.
+    // Out of memory: peers that are not dialled may still dial us.
   }
   for (;;) {
     try {
@@ -138,7 +138,7 @@ void UdpSocket::run() {
       context_.run();
       return;
     } catch (const std::exception&) {
-      // Out of memory at worst: what was being done is lost like a packet.
+      // Out of memory at worst: the work in progress is lost like a packet.
       receive();
     }
   }
@@ -219,7 +219,7 @@ void UdpSocket::on_readable() {
   for (int i = 0; i < kReads; ++i) {
     const auto read = batch_.read(socket_.socket().native_handle());
     if (read == DatagramBatch::Read::Nothing) break;
-    if (read == DatagramBatch::Read::Error) continue;  // an ICMP answer to something that was sent
+    if (read == DatagramBatch::Read::Error) continue;  // an ICMP error of an earlier send
     const std::scoped_lock lock(mutex_);
     time = now();
     for (std::size_t k = 0; k < batch_.size(); ++k) {
@@ -228,7 +228,7 @@ void UdpSocket::on_readable() {
     if (batch_.size() < DatagramBatch::kCount) break;
   }
   step();
-  // Not by a timer: the reactor would be woken by each datagram all the same.
+  // A timer would not help: each datagram would wake the reactor.
   if (flood_.is_flooded(time)) std::this_thread::sleep_for(kFloodPause);
   receive();
 }

@@ -23,10 +23,10 @@
 
 namespace tandem::net {
 
-/// The socket, the clock and the thread of a UdpNode. Everything else is the node's.
+/// Socket, clock and thread of a UdpNode. All else is in the node.
 class UdpSocket {
  public:
-  /// Throws std::system_error where it cannot bind.
+  /// Throws std::system_error if it cannot bind.
   UdpSocket(const UdpOptions& options, const UdpNodeOptions& node);
   ~UdpSocket();
   UdpSocket(const UdpSocket&) = delete;
@@ -39,7 +39,7 @@ class UdpSocket {
   void disconnect(const DatagramPath& path);
   std::vector<UdpLookup> lookups();
 
-  /// Calls `use(node, now)` under the lock; then the network thread looks what is to be done.
+  /// Calls `use(node, now)` under the lock; then the network thread continues.
   template <class Use>
   auto with(bool wakes, Use&& use) {
     const std::scoped_lock lock(mutex_);
@@ -53,7 +53,7 @@ class UdpSocket {
   using Endpoint = BoundSocket::Endpoint;
 
   struct Lookup {
-    UdpLookup status;  // written by the network thread alone, with the lock
+    UdpLookup status;  // written by the network thread alone, under the lock
     asio::steady_timer again;
   };
 
@@ -64,14 +64,14 @@ class UdpSocket {
   void look_up(Lookup& lookup);
   void dial(Lookup& lookup, std::span<const Endpoint> found);
   void look_up_again(Lookup& lookup, const std::string& reason);
-  void wake();  // with the lock
+  void wake();  // call under the lock
   void receive();
   void on_readable();
   void step();
   void send(std::span<const std::byte> datagram, const Address& to);
 
   const UdpOptions options_;
-  std::mutex mutex_;  // of the node and the lookups, held for memory and arithmetic only
+  std::mutex mutex_;  // for node and lookups, held for memory and arithmetic only
   [[maybe_unused]] TimerResolution timer_resolution_;
   asio::io_context context_{1};
   BoundSocket socket_;
@@ -80,10 +80,10 @@ class UdpSocket {
   asio::ip::udp::resolver resolver_{context_};
   std::vector<std::shared_ptr<DatagramPath>> paths_;  // by number; null: disconnected
   std::atomic<std::size_t> path_waiting_ = 0;         // datagrams for the network thread
-  std::vector<Lookup> lookups_;                       // as many as options_.connect has, for good
+  std::vector<Lookup> lookups_;                       // one for each entry of options_.connect
   bool wake_posted_ = false;
   bool waiting_ = false;                  // for the socket
-  std::int64_t flush_until_ = INT64_MAX;  // set: shutting down
+  std::int64_t flush_until_ = INT64_MAX;  // set during shutdown
   bool left_ = false;
   DatagramBatch batch_;
   FloodGauge flood_;

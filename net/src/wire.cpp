@@ -124,7 +124,7 @@ std::optional<std::span<const std::byte>> FrameBuffer::next_whole(std::size_t le
       return frame;
     }
   }
-  // A whole frame fits from the start of the buffer, so after this there is room to read into.
+  // A whole frame fits from the start of the buffer, so this makes room to read.
   std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(begin_),
             bytes_.begin() + static_cast<std::ptrdiff_t>(end_), bytes_.begin());
   end_ = had;

@@ -19,10 +19,9 @@ using consensus::PeerId;
 
 // The stream, little-endian:  u32 length | u8 type | payload,  length = 1 + payload bytes; with a
 // session key type and payload are sealed after KeyRequest and KeyReply, docs/protocol.md ("TCP").
-// Dialler and listener say Hello and check the other's; the peer with the lower id then sends
-// Welcome, the other one answers with Welcome, and both are connected. Addresses of third peers
-// follow. Magic, version and peer id keep their place in every version, so that a refusal can be
-// explained.
+// Both ends send Hello and check the other's. The peer with the lower id then sends Welcome, the
+// other one answers with Welcome, and both are connected. Addresses of third peers follow. Magic,
+// version and peer id have the same place in every version, so that a refusal can be explained.
 
 constexpr std::uint32_t kMagic = 0x4d444e54;  // "TNDM"
 constexpr std::uint16_t kProtocolVersion = 1;
@@ -30,7 +29,7 @@ constexpr std::uint32_t kKeyMagic = 0x4b444e54;  // "TNDK"
 constexpr std::uint16_t kKeyVersion = 2;
 constexpr std::size_t kFrameHeader = 5;         // length and type
 constexpr std::size_t kSealBytes = 16;          // of tag
-constexpr std::size_t kMaxKeyFrame = 320;       // payload until there are keys
+constexpr std::size_t kMaxKeyFrame = 320;       // payload before there are keys
 constexpr std::size_t kReliableHeader = 8;      // sequence number
 constexpr std::size_t kMaxControlFrame = 4096;  // payload of all but Newest and Reliable
 constexpr std::size_t kMaxAddresses = 128;      // in one frame
@@ -47,7 +46,7 @@ enum class FrameType : std::uint8_t {
   Reliable = 8,
   KeyRequest = 9,
   KeyReply = 10,
-  Rekey = 11,  // sealed: the last one under its key
+  Rekey = 11,  // sealed: the last frame under its key
   GroupChange = 12,
 };
 
@@ -58,12 +57,12 @@ struct Hello {
   std::uint64_t scene_hash = 0;
   std::uint32_t max_message_bytes = 0;
   std::uint32_t idle_timeout_ms = 0;
-  std::uint16_t listen_port = 0;  // 0: does not listen
+  std::uint16_t listen_port = 0;  // 0 = does not listen
 };
 
 struct Welcome {
-  std::uint64_t ticket = 0;    // of the lower id; the highest one of two connections is kept
-  std::uint64_t received = 0;  // last Reliable sequence number had from the addressee's process
+  std::uint64_t ticket = 0;    // of the lower id; of two connections the highest one is kept
+  std::uint64_t received = 0;  // last Reliable sequence number from the addressee
 };
 
 struct PeerAddress {
@@ -72,7 +71,7 @@ struct PeerAddress {
   std::uint16_t port = 0;
 };
 
-/// Of KeyRequest and KeyReply. Magic and version keep their place in every version.
+/// Of KeyRequest and KeyReply. Magic and version have the same place in every version.
 struct KeyFrame {
   std::uint16_t version = kKeyVersion;
   std::span<const std::byte> message;  // of Noise; a view into the payload
@@ -95,16 +94,16 @@ void encode(pbd::ByteWriter& writer, const Welcome& welcome);
 void encode(pbd::ByteWriter& writer, std::span<const PeerAddress> addresses);
 void encode(pbd::ByteWriter& writer, const KeyFrame& frame);
 
-/// Of a Hello in another version only version and peer are set. None where it is no Hello.
+/// For a Hello of another version only version and peer are set. None if it is no Hello.
 std::optional<Hello> decode_hello(std::span<const std::byte> payload);
 std::optional<Welcome> decode_welcome(std::span<const std::byte> payload);
 std::optional<std::vector<PeerAddress>> decode_addresses(std::span<const std::byte> payload);
 std::optional<KeyFrame> decode_key_frame(std::span<const std::byte> payload);
-/// Printable ASCII, at most kMaxReason bytes: it ends in logs and on terminals.
+/// Printable ASCII, at most kMaxReason bytes, as it is shown in logs and on terminals.
 std::string decode_reason(std::span<const std::byte> payload);
 
-/// Cuts a stream into frames, in a buffer whose size depends on the limit alone, never on a length
-/// that came over the wire.
+/// Splits a stream into frames, in a buffer whose size depends on the limit alone, never on a
+/// received length.
 class FrameBuffer {
  public:
   struct Frame {
@@ -118,11 +117,12 @@ class FrameBuffer {
   /// Room to read into, never empty once next() has returned nothing.
   std::span<std::byte> space() { return std::span(bytes_).subspan(end_); }
   void filled(std::size_t count) { end_ += count; }
-  /// The next whole frame. None: read more, or the stream is bad(), for good.
+  /// The next whole frame. None: read more, or the stream is bad() for good.
   std::optional<Frame> next();
-  /// The same with the length before it, at least `least` bytes after it; valid as Frame::payload.
+  /// next() with the length before the frame, and at least `least` bytes after it; valid as
+  /// Frame::payload.
   std::optional<std::span<const std::byte>> next_whole(std::size_t least);
-  /// Forgets what was read and not taken, and that it was bad.
+  /// Drops unread bytes, and clears bad().
   void discard() {
     begin_ = end_ = 0;
     error_.clear();

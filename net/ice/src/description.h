@@ -8,8 +8,8 @@
 
 namespace tandem::ice {
 
-/// What two peers tell each other before they have a way: lines "tandem-ice 1", "ufrag TEXT",
-/// "pwd TEXT", and a "candidate:..." for each address as RFC 8839, Sec. 5.1, has it.
+/// What two peers exchange before they are connected: lines "tandem-ice 1", "ufrag TEXT", "pwd
+/// TEXT", and a "candidate:..." for each address as in RFC 8839, Sec. 5.1.
 struct Description {
   std::string ufrag;
   std::string password;
@@ -18,8 +18,8 @@ struct Description {
 
 std::string encode(const Description& description);
 
-/// @throws std::invalid_argument  it comes from outside, and must be of this form, with bounded
-/// parts
+/// @throws std::invalid_argument unless the untrusted text has this form and its parts are within
+/// bounds
 Description parse_description(std::string_view text);
 
 }  // namespace tandem::ice

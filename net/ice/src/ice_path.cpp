@@ -17,7 +17,7 @@
 
 namespace tandem::ice {
 
-// A member of IcePath::Impl, so that it has a name outside of this file.
+// A member of IcePath::Impl, hence named outside of this file.
 struct GlibUnref {
   void operator()(NiceAgent* agent) const { g_object_unref(agent); }
   void operator()(GMainContext* context) const { g_main_context_unref(context); }
@@ -33,14 +33,14 @@ namespace {
 
 constexpr guint kComponent = 1;
 constexpr std::size_t kWhole = 1472;   // bytes, an Ethernet frame
-constexpr guint kClosePatience = 500;  // ms, for TURN servers to hear that a relay is given back
+constexpr guint kClosePatience = 500;  // ms, to tell TURN servers that a relay is released
 
 void free_candidates(GSList* list) {
   g_slist_free_full(list,
                     [](gpointer each) { nice_candidate_free(static_cast<NiceCandidate*>(each)); });
 }
 
-/// libnice takes numbers.
+/// Resolves a host name: libnice needs numeric addresses.
 std::string numeric(const net::HostPort& address) {
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;
@@ -59,8 +59,8 @@ std::string numeric(const net::HostPort& address) {
   return text.data();
 }
 
-/// Nothing that is sent from this socket is cut into pieces, or dropped for what others have said
-/// of the way. False where this system cannot.
+/// Forbids fragmentation on this socket, and ignores others' reports about the path MTU. False if
+/// this system cannot.
 bool forbid_fragments(int socket) {
 #ifdef __linux__
   const int v6 = IPV6_PMTUDISC_PROBE;
@@ -144,7 +144,7 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
   ~Impl() {
     nice_agent_attach_recv(agent_.get(), stream_, kComponent, context_.get(), nullptr, nullptr);
     g_signal_handlers_disconnect_by_data(agent_.get(), this);
-    // On its own thread: what TURN servers are told needs the loop.
+    // On its own thread: the messages to TURN servers need the loop.
     g_main_context_invoke(
         context_.get(),
         [](gpointer self) -> gboolean {
@@ -176,7 +176,7 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
            nice_candidate_type_to_string(remote->type);
   }
 
-  /// Straight to the other host, and nothing is cut into pieces.
+  /// Whether the path is direct and never fragments.
   bool is_whole() const {
     NiceCandidate* local = nullptr;
     NiceCandidate* remote = nullptr;
@@ -210,7 +210,7 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
       }
       state_ = State::Connecting;
     }
-    // Both begin as the one that decides; tie-breakers settle it (RFC 8445, Sec. 7.3.1.1).
+    // Both begin as controlling; tie-breakers settle it (RFC 8445, Sec. 7.3.1.1).
     const bool good = nice_agent_set_remote_credentials(agent, stream_, remote.ufrag.c_str(),
                                                         remote.password.c_str()) != FALSE &&
                       nice_agent_set_remote_candidates(agent, stream_, kComponent, candidates) > 0;
@@ -257,7 +257,7 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
     for (const GSList* at = list; at != nullptr; at = at->next) {
       const GlibOwned<gchar> line(nice_agent_generate_local_candidate_sdp(
           agent_.get(), static_cast<NiceCandidate*>(at->data)));
-      // "a=" belongs to SDP.
+      // Strips "a=", which belongs to SDP.
       if (line) own.candidates.emplace_back(line.get() + 2);
     }
     free_candidates(list);
@@ -277,7 +277,7 @@ class __attribute__((visibility("hidden"))) IcePath::Impl {
     }
   }
 
-  /// On the loop's thread: ends the loop, soon.
+  /// On the loop's thread: ends the loop soon.
   void close() {
     nice_agent_close_async(
         agent_.get(),

@@ -9,7 +9,7 @@
 
 namespace tandem {
 
-/// Who is connected, and what has changed in it between the last two looks.
+/// Who is connected, and what has changed between the last two looks.
 class Roster {
  public:
   void look(const consensus::Transport& transport) {

@@ -19,7 +19,7 @@ namespace {
 
 consensus::PeerOptions peer_options(const consensus::PeerOptions& given, bool no_clocks) {
   consensus::PeerOptions options = given;
-  // Stamps of clocks that nobody set say nothing.
+  // Stamps of unsynchronised clocks are meaningless.
   if (no_clocks) options.timestamps = consensus::TimestampSource::Arrival;
   return options;
 }
@@ -28,7 +28,7 @@ void require_name(std::string_view name) {
   if (name.empty()) pbd::detail::refuse("Session::share: name", "1 character or more", "empty");
 }
 
-/// True for as long as it lives.
+/// Sets a flag for its lifetime.
 class Running {
  public:
   explicit Running(bool& flag) : flag_(flag) { flag_ = true; }
@@ -67,11 +67,11 @@ class __attribute__((visibility("hidden"))) Session::Impl {
     if (!physics) return;
     try {
       peer.leave(physics->physics_time());
-    } catch (...) {  // a transport of the application's: it goes all the same
+    } catch (...) {  // from a custom transport: the peer leaves all the same
     }
   }
 
-  /// Of before a step: who has come and gone, and what the others have spawned.
+  /// Before a step: members that joined or left, and what the others have spawned.
   void hear(SessionTime now) {
     if (!spawns && !joined && !left) return;
     roster.look(events);
@@ -79,7 +79,7 @@ class __attribute__((visibility("hidden"))) Session::Impl {
       for (const PeerId id : roster.left()) spawns->leave(id);
       for (const PeerId id : roster.joined()) spawns->join(id);
     }
-    // Copies: a function may set another one.
+    // Copies, as a callback may set another one.
     const auto call = [](const std::function<void(PeerId)>& of, const std::vector<PeerId>& ids) {
       for (const PeerId id : ids) {
         if (of) of(id);
@@ -102,13 +102,13 @@ class __attribute__((visibility("hidden"))) Session::Impl {
   ClockSource clock;
   net::PhysicsClockOptions pace;
   consensus::EventChannel events;
-  consensus::Peer peer;  ///< gone before its transport
+  consensus::Peer peer;  ///< must be destroyed before its transport
   std::optional<Spawns> spawns;
   Roster roster;
   std::function<void(PeerId)> joined;
   std::function<void(PeerId)> left;
   std::optional<net::PhysicsClock> physics;
-  SessionTime time = 0;     ///< ns, of the step to come; while there are physics
+  SessionTime time = 0;     ///< ns, of the step to come; valid with physics
   double world_time = 0.0;  ///< s, after the last step
   std::size_t shared = 0;
   bool running = false;   ///< in run()
@@ -181,7 +181,7 @@ bool Session::move(GrabId grab, const pbd::Vec3& anchor_w) {
 void Session::release(GrabId grab) {
   try {
     impl_->peer.release(grab);
-  } catch (const std::invalid_argument&) {  // let go already
+  } catch (const std::invalid_argument&) {  // released already
   }
 }
 
@@ -210,8 +210,7 @@ Progress Session::advance(SessionTime now, const BeforeStep& before_step) {
   SessionTime& time = own.time;
   time = own.physics->physics_time();
   for (const std::int64_t step : tick.steps) time -= step;
-  // Also where before_step throws: what was stepped until then was stepped here, and the rest is
-  // due.
+  // Also if before_step throws: the steps made so far count, and the rest remains due.
   const struct Ending {
     Impl& own;
     ~Ending() {
@@ -241,7 +240,7 @@ void Session::run(const BeforeStep& before_step) {
   }
   const net::StopSignal signal;
   const Running while_here(impl_->running);
-  // A call of stop() ends one run, also one that had not begun.
+  // One stop() ends one run, even one that has not begun.
   const struct Heeded {
     std::atomic<bool>& stopped;
     ~Heeded() { stopped = false; }

@@ -18,11 +18,11 @@ constexpr std::string_view kDespawn = "tandem.despawn";
 constexpr std::string_view kAsk = "tandem.ask";
 constexpr std::string_view kTold = "tandem.told";
 
-/// ns: a member may ask as often as it likes, and is not told more often.
+/// ns: a member may ask as often as it likes, but is answered at this interval.
 constexpr SessionTime kAnswerEvery = 1'000'000'000;
 constexpr std::size_t kIdsPerEvent = 32;
-/// All ids that spawn() makes begin their lower half so: nobody can take the id of a name before
-/// the application shares it.
+/// Prefix of the lower half of all ids by spawn(): the id of a name cannot be taken before the
+/// application shares it.
 constexpr std::uint64_t kMark = 0xb0d;
 constexpr int kNumberBits = 52;
 
@@ -51,7 +51,7 @@ bool Spawns::has_room(const SharedId& id, std::size_t times) const {
 
 SharedId Spawns::spawn(std::string_view what, const pbd::Pose& pose, const pbd::Twist& twist,
                        SessionTime now) {
-  // From the time, so that a member that starts again under its id repeats none.
+  // By the time, so that a member restarted under its id repeats none.
   constexpr std::uint64_t kMask = (std::uint64_t{1} << kNumberBits) - 1;
   const std::uint64_t number = std::max(static_cast<std::uint64_t>(now) / 1000 & kMask, last_ + 1);
   const SharedId id{.high = events_.self(), .low = kMark << kNumberBits | number};
@@ -93,7 +93,7 @@ void Spawns::join(PeerId member) {
 }
 
 void Spawns::receive(SessionTime now) {
-  std::exception_ptr failed;  // of the application: what else has come is taken in all the same
+  std::exception_ptr failed;  // in the application: the remaining events are processed all the same
   for (const consensus::Event& event : events_.received()) {
     try {
       hear(event);
@@ -135,7 +135,7 @@ bool Spawns::hear_spawn(const consensus::Event& event) {
   if (packet_.states.size() != 1) return false;
   const consensus::StateUpdate& state = packet_.states.front();
   if (!is_spawned(state.id)) return false;
-  if (here_.contains(state.id)) return true;  // all members tell a newcomer
+  if (here_.contains(state.id)) return true;  // all members send it to a newcomer
   if (removed_.contains(state.id) || unknown_.contains(state.id)) {
     if (state.id.high == event.from) tell_removed({&state.id, 1}, event.from);
     return true;
@@ -143,14 +143,15 @@ bool Spawns::hear_spawn(const consensus::Event& event) {
   const auto member = members_.find(event.from);
   const bool tells_all = member != members_.end() && !member->second.told;
   if (state.id.high != event.from && !tells_all) return false;
-  // Each member keeps the limits by what it knows: some that spawn at the same time exceed them.
+  // Each member applies the limits to what it knows: members that spawn at the same time exceed
+  // them.
   if (!has_room(state.id, 2)) return false;
   const std::span<const std::byte> what = payload.subspan(kState);
   try {
     add(state, {reinterpret_cast<const char*>(what.data()), what.size()});
-  } catch (const std::invalid_argument&) {  // `make` does not know such a thing
+  } catch (const std::invalid_argument&) {  // `make` does not know `what`
     return false;
-  } catch (...) {  // it fails, which the application is told
+  } catch (...) {  // `make` fails: the application gets the exception
     ++refused_;
     throw;
   }
@@ -180,11 +181,11 @@ void Spawns::tell_all(PeerId member) {
 }
 
 void Spawns::tell(const SharedId& id, const Here& here, PeerId to) {
-  if (!world_.contains(here.body)) return;  // the application has removed it by itself
+  if (!world_.contains(here.body)) return;  // the application has removed it itself
   const consensus::StateUpdate state{
       .id = id, .pose = world_.pose(here.body), .twist = world_.twist(here.body)};
   bytes_.clear();
-  if (consensus::encode({&state, 1}, bytes_) == 0) return;  // further away than can be said
+  if (consensus::encode({&state, 1}, bytes_) == 0) return;  // beyond the range of positions
   const auto what = std::as_bytes(std::span(here.what));
   bytes_.insert(bytes_.end(), what.begin(), what.end());
   events_.send(kSpawn, bytes_, to);

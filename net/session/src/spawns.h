@@ -16,8 +16,8 @@
 
 namespace tandem {
 
-/// Ids of bodies that have been removed, so that a late message brings none back. The oldest are
-/// forgotten, so that others cannot fill the memory.
+/// Ids of removed bodies, so that late messages do not revive them. The oldest are dropped, which
+/// bounds the memory.
 class RemovedIds {
  public:
   static constexpr std::size_t kMaxIds = 4096;
@@ -31,17 +31,17 @@ class RemovedIds {
   std::deque<SharedId> order_;
 };
 
-/// Bodies that members make for everybody, by events (docs/sessions.md):
+/// Bodies that members spawn for everybody, by events (docs/sessions.md):
 ///
 ///     tandem.spawn    the body's state as in a packet (kHeaderBytes + kStateBytes), then `what`
 ///     tandem.despawn  ids, 16 bytes each, little-endian
-///     tandem.ask      tell me all that there is; to each member that connects
-///     tandem.told     that was all
+/// request for all bodies; to each member that connects
+/// end of the answer
 ///
-/// A member names bodies of its own, and others' only until it has told all.
+/// A member names its own bodies; others' only until its answer is complete.
 class Spawns {
  public:
-  /// All but the options outlive it.
+  /// All arguments but the options must outlive it.
   Spawns(const SpawnOptions& options, pbd::World& world, consensus::Peer& peer,
          consensus::EventChannel& events);
 
@@ -51,8 +51,8 @@ class Spawns {
   void despawn(const SharedId& id);
   void join(PeerId member);
   void leave(PeerId member) { members_.erase(member); }
-  /// Take in what the last poll has brought, at session time `now`. @throws what SpawnOptions'
-  /// functions do
+  /// Process the events of the last poll, at session time `now`. @throws what SpawnOptions'
+  /// functions throw
   void receive(SessionTime now);
   std::uint64_t refused() const { return refused_; }
 
@@ -62,14 +62,14 @@ class Spawns {
     std::string what;
   };
   struct Member {
-    bool told = false;         ///< has told all that there is at its side
-    bool asks = false;         ///< has not been told since it asked
-    SessionTime answered = 0;  ///< ns, when it was told last; 0: never
+    bool told = false;         ///< has sent all its bodies
+    bool asks = false;         ///< has asked and was not answered yet
+    SessionTime answered = 0;  ///< ns, of the last answer; 0 = never
   };
 
   void add(const consensus::StateUpdate& state, std::string_view what);
   void forget(const SharedId& id);
-  /// @param times  of the limits in the options that may be used up
+  /// @param times  multiple of the limits in the options that may be used
   bool has_room(const SharedId& id, std::size_t times) const;
   void tell(const SharedId& id, const Here& here, PeerId to);
   void tell_removed(std::span<const SharedId> ids, PeerId to);
@@ -83,10 +83,10 @@ class Spawns {
   consensus::Peer& peer_;
   consensus::EventChannel& events_;
   std::map<SharedId, Here> here_;
-  RemovedIds removed_;  ///< what was here
-  RemovedIds unknown_;  ///< removed before they came; others can fill this one alone
+  RemovedIds removed_;  ///< bodies that were here
+  RemovedIds unknown_;  ///< removed before they came; only this list can be filled by others
   std::map<PeerId, Member> members_;
-  std::uint64_t last_ = 0;  ///< the number of the last id made here
+  std::uint64_t last_ = 0;  ///< number of the last id made here
   std::uint64_t refused_ = 0;
   std::vector<std::byte> bytes_;
   consensus::DecodedPacket packet_;

@@ -16,12 +16,12 @@ using pbd::detail::require_in;
 
 namespace {
 
-/// The nearest nanosecond.
+/// Rounds to the nearest nanosecond.
 SessionTime to_ns(double seconds) {
   return static_cast<SessionTime>(std::floor(seconds * 1e9 + 0.5));
 }
 
-/// A generator of its own for each direction.
+/// Each direction has its own generator.
 std::uint64_t seed_of(std::uint64_t seed, PeerId from, PeerId to) {
   const std::uint64_t a = pbd::SplitMix64(seed).next();
   const std::uint64_t b = pbd::SplitMix64(a ^ from).next();
@@ -127,7 +127,7 @@ std::size_t Link::waiting_bytes(Delivery delivery) const {
   return sum;
 }
 
-/// Whether `size` more bytes of states may wait, after dropping the oldest ones for it.
+/// Makes room for `size` more bytes of states by dropping the oldest; false if it cannot.
 bool Link::make_room(std::size_t size) {
   if (size > options_.queue_limit) return false;
   std::size_t waiting = waiting_bytes(Delivery::Newest);
@@ -181,7 +181,7 @@ void Link::send_waiting(SessionTime time, Air& air) {
 SessionTime Spells::end_at(SessionTime time, double rate, double length) {
   if (rate <= 0.0) return time;
   while (end_ <= time) {
-    // Uniform, from 0 to twice the mean: a logarithm is not the same everywhere.
+    // Uniform, from 0 to twice the mean: a logarithm would differ between platforms.
     begin_ = end_ + to_ns(2.0 * random_.unit() / rate);
     end_ = begin_ + to_ns(2.0 * random_.unit() * length) + 1;
   }
@@ -189,7 +189,7 @@ SessionTime Spells::end_at(SessionTime time, double rate, double length) {
 }
 
 /// Decide a packet's fate. The number of draws is the same for every packet, so that one option
-/// does not change what the others do.
+/// does not change the effect of the others.
 void Link::launch(Waiting packet, SessionTime departure, Air& air) {
   const LinkOptions& o = options_;
   const bool lost = random_.unit() < o.loss;
@@ -244,7 +244,7 @@ void Link::count_delivered(const Flight& flight) {
   bytes_delivered_ += flight.bytes.size();
   if (flight.delivery != Delivery::Newest) return;
   const auto delay = static_cast<double>(flight.due - flight.posted);
-  // As transports smooth their round trips.
+  // Smoothed as transports do.
   delay_ = delay_ < 0.0 ? delay : delay_ + 0.125 * (delay - delay_);
 }
 
@@ -253,7 +253,7 @@ void Link::set_options(SessionTime now, const LinkOptions& options, Air& air) {
   options_ = options;
 }
 
-/// Take the packets out of the air: states are lost, reliable ones wait in front again.
+/// Recall packets in transit: states are lost, reliable ones wait in front again.
 void Link::recall(SessionTime now, Air& air) {
   std::vector<Flight> flights = air.take(from_, to_);
   for (auto flight = flights.rbegin(); flight != flights.rend(); ++flight) {

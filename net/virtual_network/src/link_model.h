@@ -14,7 +14,7 @@
 
 namespace tandem::consensus {
 
-/// A packet on the way.
+/// A packet in transit.
 struct Flight {
   SessionTime due = 0;
   PeerId from = 0;
@@ -25,62 +25,62 @@ struct Flight {
   std::vector<std::byte> bytes;
 };
 
-/// All packets on the way, the earliest first. Ties go by ids and never by the order in which links
-/// were served, which depends on how the time was cut up.
+/// All packets in transit, the earliest first. Ties are ordered by ids, not by the order of serving
+/// links, which depends on how the time is divided.
 class Air {
  public:
   bool empty() const { return heap_.empty(); }
   SessionTime next_due() const { return heap_.front().due; }
   void push(Flight flight);
   Flight pop();
-  /// Take out everything on the way between two peers, in this direction; earliest first.
+  /// Remove everything in transit from one peer to another; earliest first.
   std::vector<Flight> take(PeerId from, PeerId to);
 
  private:
   std::vector<Flight> heap_;
 };
 
-/// Spells of trouble on a link, one after the other.
+/// Successive periods of trouble on a link.
 class Spells {
  public:
   Spells(std::uint64_t seed, SessionTime now) : random_(seed), begin_(now), end_(now) {}
 
-  /// End of the spell at that time, which does not go back; the time itself outside.
+  /// End of the spell at `time`, or `time` itself outside of any. `time` must not decrease.
   /// @param rate  1/s, 0: none  @param length  s, mean
   SessionTime end_at(SessionTime time, double rate, double length);
 
  private:
-  pbd::SplitMix64 random_;  ///< of its own: spells change nothing about what is drawn for packets
+  pbd::SplitMix64 random_;  ///< separate, so that spells do not change the draws for packets
   SessionTime begin_;
   SessionTime end_;
 };
 
-/// One direction between two peers: a queue, a line of finite bandwidth, and chance.
+/// One direction between two peers: a queue, a line of finite bandwidth, and random faults.
 class Link {
  public:
   Link(PeerId from, PeerId to, const LinkOptions& options, std::uint64_t seed, SessionTime now);
 
   bool open() const { return !cut_ && closed_.empty(); }
-  /// Why the sender's side is not open; empty where it is.
+  /// Why the sender's side is not open; empty if it is.
   std::string reason() const { return closed_.empty() && cut_ ? "link cut" : closed_; }
   const LinkCounters& counters() const { return counters_; }
   std::size_t max_state_bytes() const { return options_.max_state_bytes; }
   std::uint64_t bytes_posted() const { return bytes_posted_; }
   std::uint64_t bytes_delivered() const { return bytes_delivered_; }
-  /// Whether something waits; it starts at free_at().
+  /// Whether a packet waits; it starts at free_at().
   bool waits() const { return open() && !waiting_.empty(); }
   SessionTime free_at() const { return busy_until_; }
 
   bool post(SessionTime now, std::span<const std::byte> bytes, Delivery delivery, Air& air);
-  /// Start all transmissions that begin up to `time`.
+  /// Start all transmissions due up to `time`.
   void send_waiting(SessionTime time, Air& air);
   void count_delivered(const Flight& flight);
-  /// ns, from post() to arrival, of states, smoothed; -1: none has come.
+  /// ns, of states from post() to arrival, smoothed; -1: none has arrived.
   double delay() const { return delay_; }
 
   void set_options(SessionTime now, const LinkOptions& options, Air& air);
   void cut(SessionTime now, Air& air);
-  /// Shut for good, until heal(); nothing that was posted arrives any more.
+  /// Closed until heal(); packets posted before never arrive.
   void close(SessionTime now, std::string reason, Air& air);
   void heal(SessionTime now, Air& air);
 

@@ -17,30 +17,30 @@ using consensus::SessionTime;
 /// Nanoseconds to seconds, for a solver that takes seconds.
 constexpr double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
-/// The time all peers share: that of the system clock when this was made, ns since 1970, UTC, and
-/// from there on that of the steady clock. Processes on one host agree to microseconds; hosts agree
-/// as well as NTP or PTP disciplines them (an error of dt displaces a body of speed v by v*dt, so
-/// 1 ms is 5 mm at 5 m/s). Both clocks are slewed alike.
+/// The time that all peers share: the system clock's when this object was made, ns since 1970, UTC,
+/// continued by the steady clock. Processes on one host agree to microseconds; hosts agree as well
+/// as NTP or PTP disciplines them (an error of dt displaces a body of speed v by v*dt: 1 ms is 5 mm
+/// at 5 m/s). Both clocks are slewed alike.
 ///
-/// Who sets the system clock moves nothing in a session that runs: stepped() says by how much it
-/// was set. Whoever starts afterwards is apart by that.
+/// Setting the system clock moves nothing in a running session; stepped() tells by how much it was
+/// set. A process that starts afterwards differs by that amount.
 ///
-/// The reading never goes back: while a source of your own is behind the last reading, that reading
-/// is held, and held() says how far behind the source is.
+/// The reading never goes back: while a custom source is behind the last reading, that reading is
+/// held, and held() tells how far behind the source is.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API SessionClock {
  public:
   using Source = std::function<SessionTime()>;
 
   SessionClock();
-  /// Read `source` in place of the system clock. Throws std::invalid_argument if it is empty.
+  /// Reads `source` in place of the system clock. Throws std::invalid_argument if it is empty.
   explicit SessionClock(Source source);
 
   SessionTime now();
-  /// How far the source was behind the reading at the last now(), ns, >= 0; 0 in normal running.
+  /// How far the source was behind the reading at the last now(), ns, >= 0; 0 in normal operation.
   std::int64_t held() const { return held_; }
-  /// How far the system clock is ahead of this one by now, ns: by so much it was set since this was
-  /// made. 0 with a source of your own.
+  /// How far the system clock is ahead of this one, ns: the amount by which it was set since
+  /// construction. 0 with a custom source.
   std::int64_t stepped() const;
 
  private:
@@ -51,29 +51,29 @@ class TANDEM_API SessionClock {
   std::int64_t held_ = 0;
 };
 
-/// Where session time comes from.
+/// Source of session time.
 enum class Clock : std::uint8_t {
-  /// A timeline of the session's own on steady clocks, agreed on in band: no host needs a
-  /// disciplined clock.
+  /// The session's own timeline on steady clocks, agreed on in band: no host needs a disciplined
+  /// clock.
   Session,
-  /// The system clock: hosts are disciplined by PTP or NTP. What peers say is measured, not
+  /// The system clock: hosts are disciplined by PTP or NTP. Offsets to peers are measured, not
   /// followed.
   System,
-  /// No common time: each peer has its own, and updates are dated where they arrive
+  /// No common time: each peer has its own, and updates are dated on arrival
   /// (consensus::Packet::received less half of consensus::PeerStatus::round_trip).
   None,
 };
 
-/// How well session time is known. Times in ns.
+/// How accurately session time is known. Times in ns.
 struct TANDEM_API ClockStatus {
   SessionTime now = 0;
-  /// How far `now` can be from the reference's session time, >= 0; with Clock::None -1, not known.
-  /// Certain for clocks that drift by less than 250 ppm: unequal delay there and back is in it.
+  /// Largest distance of `now` from the reference's session time, >= 0; -1 = unknown, with
+  /// Clock::None. Certain for clocks that drift by less than 250 ppm, unequal delays included.
   std::int64_t error_bound = -1;
   std::int64_t offset = 0;          ///< the reference's session time less ours, as estimated
-  consensus::PeerId reference = 0;  ///< whose time it is, perhaps this peer's; 0: nobody's yet
-  bool synchronised = false;        ///< from here on it is slewed, never stepped
-  std::uint64_t jumps = 0;          ///< steps so far, all before it was synchronised
+  consensus::PeerId reference = 0;  ///< the peer whose time it is, maybe this one; 0 = none yet
+  bool synchronised = false;        ///< from then on it is slewed, never stepped
+  std::uint64_t jumps = 0;          ///< steps so far, all before synchronisation
   std::uint64_t faults = 0;         ///< exchanges that no honest, steady clock explains
 };
 
@@ -85,39 +85,39 @@ struct TANDEM_API PhysicsClockOptions {
   /// A lag (either way) above this is skipped, not simulated; >= max_steps_per_call * max_step.
   std::int64_t stall_limit = 1'000'000'000;
 
-  /// For so many steps a second, > 0: nominal_step, and limits above it where the defaults would
-  /// not do.
+  /// For `hz` steps a second, > 0: nominal_step, and limits raised where the defaults are too
+  /// small.
   static PhysicsClockOptions at_rate(double hz);
 
   /// Throws std::invalid_argument that says what the field must be and what it is.
   void validate() const;
 };
 
-/// What PhysicsClock::advance asks for.
+/// Result of PhysicsClock::advance.
 struct TANDEM_API ClockTick {
   /// Step lengths, ns, in order; valid until the next call.
   std::span<const std::int64_t> steps = {};
-  std::int64_t skipped = 0;  ///< ns of shared time jumped over before the steps
+  std::int64_t skipped = 0;  ///< ns of shared time skipped before the steps
   std::int64_t lag = 0;      ///< shared time minus physics time after the steps, ns
-  /// How far shared time is behind, ns, >= 0: so long nothing moves. 0 in normal running.
+  /// How far shared time is behind, ns, >= 0: nothing moves meanwhile. 0 in normal operation.
   std::int64_t held = 0;
 };
 
-/// Paces the physics so that physics time stays just behind the shared time and never drifts from
-/// it ([friston] Sec. 4.5). Pure: it reads no clock and never waits.
+/// Paces physics so that physics time stays just behind the shared time and never drifts from it
+/// ([friston] Sec. 4.5). Pure: reads no clock and never blocks.
 ///
 /// **Physics time is always a multiple of nominal_step.** So peers of one rate have states of the
-/// same times, however their clocks' calls fall: what they average at a stamp is the same at all of
-/// them (docs/method.md Sec. 4), where states of times in between have to be interpolated.
+/// same times, however their calls fall: they average the same states at a stamp, where states of
+/// other times have to be interpolated (docs/method.md Sec. 5).
 ///
 /// Policy, with lag = shared time - physics time at the call:
 /// - lag < nominal_step: no step. On time: one step. After a call on time 0 <= lag < nominal_step.
-/// - late: several steps, of several times nominal_step where max_steps_per_call would not do else,
-///   up to max_step. What is still missing then is left to the next calls.
-/// - lag > stall_limit (debugger, sleeping laptop): whole steps but the last one are jumped over
-///   and reported in `skipped`; bodies do not move meanwhile, but their time is right again.
+/// - late: several steps; each is several times nominal_step, up to max_step, if max_steps_per_call
+/// requires it. The rest is left to the next calls.
+/// - lag > stall_limit (debugger, sleeping laptop): whole steps but the last one are skipped and
+/// reported in `skipped`; bodies do not move meanwhile, but their time is right again.
 /// - shared time behind physics time: no step until it has caught up; by more than stall_limit:
-///   physics time is set back by whole steps and `skipped` is negative.
+/// physics time is set back by whole steps and `skipped` is negative.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API PhysicsClock {
  public:
@@ -130,7 +130,7 @@ class TANDEM_API PhysicsClock {
   /// The steps to do now, at shared time `now`. Physics time has advanced by them on return.
   ClockTick advance(SessionTime now);
 
-  /// Where it started plus all steps plus all skips so far: the time to stamp a state with.
+  /// Start plus all steps plus all skips so far: the stamp of the present state.
   SessionTime physics_time() const { return time_; }
   /// Sum of all skips so far, ns.
   std::int64_t total_skipped() const { return total_skipped_; }

@@ -20,9 +20,9 @@ struct TANDEM_API TrustedPeer {
 
 // Both throw std::runtime_error in builds without libsodium.
 
-/// Of the system's generator.
+/// From the system's generator.
 TANDEM_API Key make_key();
-/// The key to give to the others, for TcpOptions::identity and UdpOptions::identity.
+/// The public key to give to others, of a TcpOptions::identity or UdpOptions::identity.
 TANDEM_API Key public_key(const Key& identity);
 
 }  // namespace tandem::net

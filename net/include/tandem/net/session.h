@@ -12,7 +12,7 @@
 
 namespace tandem::net {
 
-/// Where a peer listens.
+/// Address at which a peer listens.
 struct TANDEM_API HostPort {
   std::string host = {};   ///< name or address; IPv6 without brackets
   std::uint16_t port = 0;  ///< 1 to 65535
@@ -30,16 +30,16 @@ TANDEM_API std::string to_string(const HostPort& address);
 /// @par Thread safety  requested, request, wait: from any thread.
 class TANDEM_API StopSignal {
  public:
-  /// Throws std::system_error where the handler cannot be installed.
+  /// Throws std::system_error if the handler cannot be installed.
   StopSignal();
   ~StopSignal();
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
   bool requested() const;
-  /// As if a signal had come.
+  /// Acts like a signal.
   void request();
-  /// Sleeps for `duration` or until a stop is requested; true where it is.
+  /// Sleeps for `duration` or until a stop is requested; true if it is.
   bool wait(std::chrono::nanoseconds duration) const;
 
  private:
