@@ -13,7 +13,7 @@ std::uint32_t IslandAgreement::cut_island(std::uint32_t island) const {
   return at != own_cut_.end() && at->first == island ? at->second : kNone;
 }
 
-/// Who solves tells the owner which of its bodies are touched, and to what they belong there.
+/// The solving rank tells the owner which of its bodies are touched, and their islands there.
 void IslandAgreement::exchange_links(std::span<const std::uint32_t> island_of) {
   links_.clear();
   own_parts_.clear();

@@ -11,9 +11,9 @@
 
 namespace tandem::mpi {
 
-/// What each rank tells all others at the end of a step.
+/// What each rank sends to all others at the end of a step.
 struct RankNews {
-  double load = 0.0;      ///< work counted, see Load
+  double load = 0.0;      ///< counted work, see Load
   bool outdated = false;  ///< Neighbours::outdated()
 };
 
@@ -28,8 +28,8 @@ struct CutIsland {
   double wanted = 0.0;
 };
 
-/// Islands that go on on other ranks: found by those that solve the contacts between two ranks, put
-/// together by all, from a list of joined parts that is short.
+/// Islands that continue on other ranks: found by the ranks that solve the contacts in between, and
+/// joined by all ranks from a short list of links.
 class IslandAgreement final : public pbd::IslandCoupling {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -43,13 +43,13 @@ class IslandAgreement final : public pbd::IslandCoupling {
   void agree_rest(std::span<const std::uint32_t> island_of,
                   std::span<pbd::IslandPart> islands) override;
 
-  /// To be told with the next agree_rest(), and what was told, by rank.
+  /// Sent with the next agree_rest(), and received, by rank.
   void set_news(double load) { load_ = load; }
   std::span<const RankNews> news() const { return news_; }
 
   /// Of the last step: by slot, the island's lowest slot.
   std::span<const std::uint32_t> islands() const { return island_of_; }
-  /// The cut island of which an island (by its lowest slot) is a part, or kNone.
+  /// The cut island that contains an island (by its lowest slot), or kNone.
   std::uint32_t cut_island(std::uint32_t island) const;
   std::span<const CutIsland> cut() const { return cut_; }
   std::size_t own_cut_count() const { return own_cut_.size(); }
@@ -70,7 +70,7 @@ class IslandAgreement final : public pbd::IslandCoupling {
   std::vector<RankNews> news_;
   std::vector<std::uint32_t> island_of_;
   std::vector<std::pair<std::uint32_t, Node>> links_;  ///< an own island, and the other one
-  std::vector<std::uint32_t> own_parts_;               ///< own islands that are in links, ascending
+  std::vector<std::uint32_t> own_parts_;               ///< own islands in links_, ascending
   std::vector<std::pair<Node, CutIsland>> parts_;      ///< all ranks', by node
   std::vector<std::pair<Node, Node>> all_links_;
   std::vector<std::uint32_t> parents_;                            ///< of parts_

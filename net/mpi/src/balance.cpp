@@ -12,15 +12,16 @@
 namespace tandem::mpi {
 namespace {
 
-// About microseconds of a step of four substeps: benchmarks/step_cost, a hundred bodies, by scene.
+// Approximate microseconds of a step of four substeps: benchmarks/step_cost, a hundred bodies, by
+// scene.
 constexpr double kAsleep = 0.15;
 constexpr double kBody = 0.5;
 constexpr double kPointRow = 1.2;
 constexpr double kFaceRow = 2.2;
-/// A body that moves on a surface has its triangles looked for in each step.
+/// A body moving on a surface needs a search for triangles in each step.
 constexpr double kSearch = 2.5;
 constexpr double kSearchSpeed = 0.3;  // m/s
-/// What a row between two ranks takes beside that: a copy, and what it sends and is sent.
+/// Additional cost of a row between two ranks: a copy, and its messages.
 constexpr double kSeamRow = 4.0;
 
 }  // namespace
@@ -55,7 +56,7 @@ double Load::count(const Part& part, const pbd::ContactBlock& seam_rows, int sub
   if (world.contacts() != nullptr) {
     for (const pbd::Contact& contact : world.contacts()->contacts()) count_row(contact);
   }
-  // All of it is the work of this rank.
+  // This rank does all of the work.
   for (const pbd::Contact& contact : seam_rows.contacts()) {
     const pbd::Manifold& m = contact.manifold;
     const std::uint32_t slot = part.is_own(m.body_a) ? m.body_a : m.body_b;
@@ -123,7 +124,7 @@ void Balance::places(void* self, int /*gids*/, int lids, int count, unsigned* /*
   }
 }
 
-/// What stands on top of each other is not cut: there, cuts are plumb.
+/// Stacks are not cut: cuts are parallel to gravity.
 void Balance::set_axes() {
   const pbd::Vec3& gravity = part_.world().gravity();
   axes_ = 3;
@@ -186,7 +187,7 @@ bool Balance::has_scattered(double mean_load) const {
   });
 }
 
-/// All cut islands as a whole, the same on all ranks. @param total  set to the load of all ranks
+/// All cut islands as wholes, the same on all ranks. @param total  set to the load of all ranks
 std::vector<Balance::Item> Balance::gather_cut(const Load& load, double& total) {
   std::vector<Item> own(islands_.cut().size());
   double sum = 0.0;
@@ -218,7 +219,7 @@ std::vector<Balance::Item> Balance::gather_cut(const Load& load, double& total) 
       const auto cut = in.get<std::uint32_t>();
       if (cut >= all.size()) Environment::abort("ranks disagree on islands");
       Item& item = all[cut];
-      if (item.bodies == 0.0) item.to = rank;  // who speaks for it
+      if (item.bodies == 0.0) item.to = rank;  // the rank that reports it
       item.weight += in.get<double>();
       item.bodies += in.get<double>();
       item.place += in.vec3();
@@ -228,7 +229,7 @@ std::vector<Balance::Item> Balance::gather_cut(const Load& load, double& total) 
   return all;
 }
 
-/// Where a cut island that stays whole goes is known to who spoke for it.
+/// Tells the reporting rank where a cut island that stays whole goes.
 void Balance::tell_cut(std::vector<Item>& cut) {
   Bytes bytes;
   MessageWriter out(bytes);
@@ -271,7 +272,7 @@ std::vector<std::pair<std::uint32_t, int>> Balance::decide(const Load& load) {
   const double most = cut_above_ * total / ranks_.count();
   items_.clear();
   std::map<std::uint32_t, Item> whole = gather_whole(load);
-  // Which item each body goes with; those of large islands are items themselves.
+  // The item of each body; bodies of large islands are items themselves.
   std::map<std::uint32_t, std::size_t> place;  // by island
   for (auto& [island, item] : whole) {
     if (item.weight > most && item.bodies > 1.0) continue;

@@ -16,11 +16,11 @@ struct Zoltan_Struct;
 
 namespace tandem::mpi {
 
-/// Work of a step as it is counted, in about microseconds: clocks differ from run to run, and then
-/// so would the cut and the bits.
+/// Work of a step as counted, in approximate microseconds: measured times would make the cut, and
+/// so the bits, differ between runs.
 class Load {
  public:
-  /// Of each own body with its rows, by slot, and the sum.
+  /// Count each own body with its rows, by slot; returns the sum.
   double count(const Part& part, const pbd::ContactBlock& seam_rows, int substeps);
   double of(std::uint32_t slot) const { return by_slot_[slot]; }
 
@@ -28,8 +28,8 @@ class Load {
   std::vector<double> by_slot_;
 };
 
-/// Whose body each is to be: small islands as a whole, large ones by where their bodies lie, by
-/// Zoltan's recursive bisection across the directions that are level.
+/// Decides each body's owner: small islands as wholes, large ones by the positions of their bodies,
+/// by Zoltan's recursive bisection along the horizontal axes.
 class Balance {
  public:
   Balance(Part& part, Ranks& ranks, IslandAgreement& islands, double cut_above);
@@ -37,13 +37,13 @@ class Balance {
   Balance(const Balance&) = delete;
   Balance& operator=(const Balance&) = delete;
 
-  /// Whether a small island lies on several ranks, as all ranks know it.
+  /// Whether a small island lies on several ranks; all ranks agree.
   bool has_scattered(double mean_load) const;
-  /// The new owner of each own body: pairs of slot and rank, of those that go.
+  /// The new owners of own bodies that migrate: pairs of slot and rank.
   std::vector<std::pair<std::uint32_t, int>> decide(const Load& load);
 
  private:
-  /// What goes somewhere as a whole.
+  /// Bodies that migrate as a whole.
   struct Item {
     std::uint64_t name = 0;
     double weight = 0.0;
@@ -61,7 +61,7 @@ class Balance {
   void partition();
   void ask_zoltan();
   std::vector<Item> gather_cut(const Load& load, double& total);
-  /// Islands that lie on this rank alone, by their lowest slot.
+  /// Islands on this rank alone, by their lowest slot.
   std::map<std::uint32_t, Item> gather_whole(const Load& load) const;
   std::uint32_t island_of(std::uint32_t slot) const;
   void tell_cut(std::vector<Item>& cut);
@@ -73,7 +73,7 @@ class Balance {
   Zoltan_Struct* zoltan_ = nullptr;
   std::vector<Item> items_;  ///< this rank's
   int axes_ = 3;
-  pbd::Mat3 to_level_ = pbd::Mat3::Identity();  ///< rows are the axes that are cut
+  pbd::Mat3 to_level_ = pbd::Mat3::Identity();  ///< rows are the axes of cuts
 };
 
 }  // namespace tandem::mpi

@@ -70,7 +70,7 @@ bool read_at(MPI_File file, std::uint64_t place, Bytes& bytes) {
   throw std::runtime_error("checkpoint " + path + " " + what);
 }
 
-/// @return false where it is no head
+/// @return false if it is no head
 bool read_head(MPI_File file, std::uint64_t file_size, std::uint64_t& steps,
                std::vector<Section>& sections) {
   Bytes bytes(head_size(0));
@@ -129,7 +129,7 @@ void write_checkpoint(Ranks& ranks, const std::string& path, std::uint64_t steps
     bad = true;
     if (file != MPI_FILE_NULL) MPI_File_close(&file);
   }
-  // An earlier one is there until this one is whole.
+  // The earlier file stays until this one is complete.
   bad = ranks.any(bad);
   if (!bad && ranks.rank() == 0) bad = std::rename(unfinished.c_str(), path.c_str()) != 0;
   if (ranks.any(bad)) fail(path, "cannot be written");

@@ -11,18 +11,18 @@
 namespace tandem::mpi {
 
 /// One file that all ranks write at the same time, each its own section, and that any number of
-/// ranks reads. Head: magic, sections, steps, step length's sum; of each section place, size and
-/// hash; a hash of all that.
+/// ranks reads. Head: magic, sections, steps, sum of step lengths; place, size and hash of each
+/// section; a hash of all that.
 struct Checkpoint {
   std::uint64_t steps = 0;
-  std::vector<Bytes> sections;  ///< those that this rank has written, or reads
+  std::vector<Bytes> sections;  ///< those that this rank writes or reads
 };
 
-/// @throws std::runtime_error on all ranks where a file cannot be written; what was there stays
+/// @throws std::runtime_error on all ranks if a file cannot be written; an earlier one stays
 void write_checkpoint(Ranks& ranks, const std::string& path, std::uint64_t steps,
                       const Bytes& section);
-/// Section s is read by rank s modulo their number.
-/// @throws std::runtime_error on all ranks where it is none, or damaged
+/// Rank r reads the sections s with s modulo the number of ranks = r.
+/// @throws std::runtime_error on all ranks if it is no checkpoint, or damaged
 Checkpoint read_checkpoint(Ranks& ranks, const std::string& path);
 
 }  // namespace tandem::mpi

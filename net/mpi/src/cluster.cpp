@@ -33,7 +33,7 @@ void ClusterOptions::validate() const {
 
 namespace {
 
-/// What a rank may spend: budgets are the whole world's.
+/// Budgets of one rank: those of the options are for the whole world.
 pbd::SolverOptions share_of(pbd::SolverOptions options, int ranks) {
   options.contact.extra_rows /= ranks;
   return options;
@@ -99,7 +99,7 @@ const pbd::StepReport& Cluster::Impl::step(double dt) {
   return report;
 }
 
-/// What comes before a step of several ranks.
+/// Work before a step on several ranks.
 void Cluster::Impl::arrange(double dt) {
   const auto every = static_cast<std::uint64_t>(options_.balance_every);
   if (steps_ > 0 && steps_ % every == 0 && needs_balance()) share_out();
@@ -128,7 +128,7 @@ bool Cluster::Impl::needs_balance() {
   return state_.imbalance > options_.balance_above || balance_->has_scattered(mean);
 }
 
-/// Decide anew whose each body is, and bring it there.
+/// Decide each body's owner anew, and migrate bodies.
 void Cluster::Impl::share_out() {
   load_.count(part_, seam_->rows(), options_.solver.substeps);
   const auto moves = balance_->decide(load_);
@@ -142,7 +142,7 @@ void Cluster::Impl::share_out() {
     const pbd::Manifold& m = contact.manifold;
     if (goes[m.body_a] != 0 || goes[m.body_b] != 0) carried.push_back(part_.named(contact));
   }
-  // No copy is anything any more, and nothing is woken by that.
+  // All copies are dropped, which must not wake anything.
   const std::vector<pbd::BodyActivity> before(world_.activities().begin(),
                                               world_.activities().end());
   seam_->forget();
@@ -173,7 +173,7 @@ void Cluster::Impl::migrate(const std::vector<std::pair<std::uint32_t, int>>& mo
     if (bodies[r] > 0) MessageWriter(out[r]).put(bodies[r]);
   }
   for (const auto& [slot, rank] : moves) part_.write(slot, out[static_cast<std::size_t>(rank)]);
-  // What is known of a contact goes with both of its bodies.
+  // A contact's warm start data goes with both of its bodies.
   for (const NamedContact& contact : contacts_->carried()) {
     int sent = ranks_.rank();
     for (const BodyName name : {contact.a, contact.b}) {
@@ -189,7 +189,7 @@ void Cluster::Impl::migrate(const std::vector<std::pair<std::uint32_t, int>>& mo
   for (const Bytes& bytes : ranks_.exchange(out)) read_section(bytes);
 }
 
-/// Bodies with their contacts.
+/// Reads bodies with their contacts.
 void Cluster::Impl::read_section(const Bytes& bytes) {
   if (bytes.empty()) return;
   MessageReader in(bytes);

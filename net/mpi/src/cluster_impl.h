@@ -18,7 +18,7 @@
 
 namespace tandem::mpi {
 
-/// In cluster.cpp a step, in cluster_checkpoint.cpp files.
+/// Steps are in cluster.cpp, files in cluster_checkpoint.cpp.
 class __attribute__((visibility("hidden"))) Cluster::Impl {
  public:
   explicit Impl(const ClusterOptions& options);
@@ -59,12 +59,12 @@ class __attribute__((visibility("hidden"))) Cluster::Impl {
   Neighbours neighbours_;
   IslandAgreement agreement_;
   Load load_;
-  // Of several ranks only:
+  // With several ranks only:
   Seam* seam_ = nullptr;  ///< one of the world's blocks
   std::unique_ptr<PartContacts> contacts_;
   std::unique_ptr<Balance> balance_;
   std::vector<std::uint8_t> arrived_;  ///< by slot: came with the last migration
-  std::vector<NamedContact> alone_;    ///< from a checkpoint, where there is one rank
+  std::vector<NamedContact> alone_;    ///< from a checkpoint, with one rank
   bool started_ = false;
   std::uint64_t steps_ = 0;
   std::uint64_t refresh_at_ = 0;  ///< step

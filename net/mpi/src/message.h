@@ -14,8 +14,7 @@ namespace tandem::mpi {
 
 using Bytes = std::vector<std::byte>;
 
-/// Writes numbers as they lie in memory: ranks of one cluster run one program on one kind of
-/// machine.
+/// Writes numbers as in memory: ranks of one cluster run one program on one kind of machine.
 class MessageWriter {
  public:
   explicit MessageWriter(Bytes& out) : out_(out) {}
@@ -28,12 +27,12 @@ class MessageWriter {
   }
   void vec3(const pbd::Vec3& v) { doubles({v.data(), 3}); }
   void quat(const pbd::Quat& q) { doubles({q.coeffs().data(), 4}); }
-  /// Bytes that somebody else knows how to read.
+  /// Opaque bytes.
   void record(std::span<const std::byte> bytes) {
     put(static_cast<std::uint64_t>(bytes.size()));
     out_.insert(out_.end(), bytes.begin(), bytes.end());
   }
-  /// Room for that many numbers, to be written by DoubleWriter.
+  /// Reserves room for `count` numbers, to be written by DoubleWriter.
   std::byte* room(std::size_t count) {
     const std::size_t at = out_.size();
     out_.resize(at + count * sizeof(double));
@@ -49,7 +48,7 @@ class MessageWriter {
   Bytes& out_;
 };
 
-/// Writes numbers one after the other, where there is room for them.
+/// Writes successive numbers into reserved room.
 class DoubleWriter {
  public:
   explicit DoubleWriter(std::byte* at) : at_(at) {}
@@ -64,7 +63,7 @@ class DoubleWriter {
   std::byte* at_;
 };
 
-/// Reads what MessageWriter wrote. Past the end all is 0, and failed() says so.
+/// Reads what MessageWriter wrote. Past the end all is 0, and failed() is true.
 class MessageReader {
  public:
   explicit MessageReader(std::span<const std::byte> in) : in_(in) {}
@@ -93,7 +92,7 @@ class MessageReader {
     return bytes;
   }
   std::size_t remaining() const { return in_.size() - at_; }
-  /// What was read cannot be.
+  /// The contents are impossible.
   void fail() {
     failed_ = true;
     at_ = in_.size();

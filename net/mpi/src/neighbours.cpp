@@ -11,7 +11,7 @@
 namespace tandem::mpi {
 namespace {
 
-/// m: contacts are reported from this distance on, and motion is not quite foreseen.
+/// m: contacts are reported from this distance on, and motion is not exactly predictable.
 constexpr double kMargin = 0.05;
 
 template <class Box>
@@ -92,7 +92,7 @@ std::vector<std::uint8_t> Neighbours::find_wanted(const std::vector<Candidate>& 
     around.min = around.min.cwiseMin(candidate.box.min);
     around.max = around.max.cwiseMax(candidate.box.max);
   }
-  // Sweep along x: both lists by where their boxes begin.
+  // Sweep along x: both lists sorted by the minima of their boxes.
   std::vector<std::uint32_t> own;
   for (const std::uint32_t slot : part_.own()) {
     if (boxes_[slot].meets(around)) own.push_back(slot);
@@ -120,7 +120,7 @@ std::vector<std::uint8_t> Neighbours::find_wanted(const std::vector<Candidate>& 
   return wanted;
 }
 
-/// To who solves: own bodies that lie where theirs are.
+/// To the solving rank: own bodies near its bodies.
 void Neighbours::offer(int to, const Box& theirs) {
   Bytes& bytes = ranks_.outgoing();
   MessageWriter out(bytes);
@@ -132,7 +132,7 @@ void Neighbours::offer(int to, const Box& theirs) {
   ranks_.send(to, Topic::Boxes);
 }
 
-/// To who offered: which of them are wanted, and which are here already.
+/// To the offering rank: which bodies are wanted, and which are here already.
 void Neighbours::answer(int from) {
   MessageReader in = ranks_.receive(from, Topic::Boxes);
   std::vector<Candidate> candidates;
@@ -157,7 +157,7 @@ void Neighbours::answer(int from) {
   all_.push_back(std::move(neighbour));
 }
 
-/// What the other rank wants and does not have.
+/// Sends the bodies that the other rank wants and lacks.
 void Neighbours::lend(Neighbour& neighbour, const std::vector<NamedContact>& carried) {
   MessageReader in = ranks_.receive(neighbour.rank, Topic::Wanted);
   Bytes records;
@@ -213,7 +213,7 @@ void Neighbours::refresh(double dt, std::vector<NamedContact>& carried) {
       answer(r);
     }
   }
-  // Copies that are wanted no more go before others come, so that their memory is used again.
+  // Unwanted copies are removed before others are added, so that their memory is reused.
   std::vector<std::uint8_t> kept(part_.world().slot_count(), 0);
   for (const Neighbour& neighbour : all_) {
     for (const std::uint32_t slot : neighbour.bodies) {

@@ -13,32 +13,32 @@
 
 namespace tandem::mpi {
 
-/// Of two ranks, the one that solves the contacts between them. Odd sums and even ones take turns,
-/// so that no rank solves all of its borders.
+/// The one of two ranks that solves the contacts between them. It alternates between even and odd
+/// sums, so that no rank solves all of its borders.
 inline int solver_of(int one, int other) {
   return (one + other) % 2 == 0 ? std::min(one, other) : std::max(one, other);
 }
 
-/// Which neighbours are exchanged with.
+/// Which neighbours take part in an exchange.
 enum class With : std::uint8_t { All, WhoDisplaces };
 
-/// What this rank has to do with another one.
+/// This rank's relation to another one.
 struct Neighbour {
   int rank = 0;
-  /// Bodies that one of the two knows copies of, by slot here, in an order that both know: copies
-  /// of its bodies here where this rank solves what is between them, else own bodies.
+  /// Bodies copied from one of the two ranks to the other, by slot here, in an order known to both:
+  /// copies of its bodies if this rank solves the contacts in between, else own bodies.
   std::vector<std::uint32_t> bodies;
-  /// Beside them, where they are own: the other rank knows it as asleep, and where it is.
+  /// For own bodies: the other rank knows that they are asleep, and their pose.
   std::vector<std::uint8_t> told_asleep;
-  /// In this step: those of them that a contact between the two touches.
+  /// Those touched by contacts between the two ranks in this step.
   std::vector<std::uint32_t> touched;
-  bool solves = false;     ///< this rank does
-  bool displaces = false;  ///< in this step targets may press one's bodies on the other's
+  bool solves = false;     ///< whether this rank solves
+  bool displaces = false;  ///< whether targets may press one's bodies on the other's in this step
 
   bool takes_part(With with) const { return with == With::All || displaces; }
 };
 
-/// Which bodies are copied where, and that copies are as their owners have them.
+/// Decides which bodies are copied to which rank, and keeps copies up to date.
 class Neighbours {
  public:
   Neighbours(Part& part, Ranks& ranks, int refresh_every)
@@ -47,18 +47,18 @@ class Neighbours {
   std::vector<Neighbour>& all() { return all_; }
   std::size_t copy_count() const;
 
-  /// Look anew for bodies that may touch another rank's within the next steps of dt (s).
-  /// @param carried  contacts of the last step that may go on between other ranks
+  /// Search anew for bodies that may touch another rank's within the next steps of dt (s).
+  /// @param carried  contacts of the last step that may continue between other ranks
   void refresh(double dt, std::vector<NamedContact>& carried);
-  /// Forget all copies.
+  /// Drop all copies.
   void clear();
-  /// Before a step: poses and twists from the owners.
+  /// Call before a step: poses and twists from the owners.
   void update();
-  /// At the end of a step, with the bodies as they are then.
+  /// Call at the end of a step, with the final bodies.
   void note_motion(std::span<const pbd::SolverBody> bodies);
-  /// Whether some own body has left the room for which refresh() looked.
+  /// Whether an own body has left the box for which refresh() searched.
   bool outdated() const { return outdated_; }
-  /// A body has come, in no room that was foreseen.
+  /// A body has come outside of any such box.
   void expect_new() { outdated_ = true; }
 
  private:
@@ -76,7 +76,7 @@ class Neighbours {
 
   void set_boxes(double dt);
   std::vector<Box> gather_bounds();
-  /// Which of the candidates an own body may touch.
+  /// The candidates that an own body may touch.
   std::vector<std::uint8_t> find_wanted(const std::vector<Candidate>& candidates) const;
   void offer(int to, const Box& theirs);
   void answer(int from);
@@ -88,7 +88,7 @@ class Neighbours {
   int refresh_every_;
   bool outdated_ = false;
   std::vector<Neighbour> all_;  ///< by rank
-  std::vector<Box> boxes_;      ///< by slot: where an own body may be until the next refresh()
+  std::vector<Box> boxes_;      ///< by slot: bounds of an own body until the next refresh()
 };
 
 }  // namespace tandem::mpi

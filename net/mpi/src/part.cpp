@@ -14,13 +14,13 @@
 namespace tandem::mpi {
 namespace {
 
-// How CollisionScene makes a manifold's key: see there.
+// Layout of a manifold's key in CollisionScene.
 constexpr int kClusterBits = 12;
 constexpr int kIndexBits = 26;
 constexpr std::uint64_t kClusterMask = (std::uint64_t{1} << kClusterBits) - 1;
 constexpr std::uint64_t kIndexMask = (std::uint64_t{1} << kIndexBits) - 1;
 
-/// Colliders of one body, more than any has.
+/// Bound on the colliders of one body.
 constexpr std::uint32_t kMaxColliders = 1u << 20;
 
 pbd::BodyDef def_of(const pbd::World& world, std::uint32_t slot) {
@@ -67,7 +67,7 @@ void write_activity(const pbd::BodyActivity& activity, MessageWriter& out) {
   out.put<std::uint8_t>(activity.asleep ? 0 : 1);
   out.put(activity.level);
   out.put(activity.steps_at_lower_level);
-  if (activity.asleep) return;  // what wakes up begins anew
+  if (activity.asleep) return;  // sleeping bodies start over when they wake
   out.put(activity.low_speed_time);
   out.vec3(activity.moved);
   out.vec3(activity.turned);
@@ -162,7 +162,7 @@ pbd::BodyId Part::add(const pbd::BodyDef& def, std::span<const collision::Collid
 }
 
 void Part::remove(std::uint32_t slot) {
-  // Here, where they are known: PartContacts leaves them to this.
+  // Here, as PartContacts does not remove them.
   for (const collision::ColliderId id : colliders_[slot]) shapes_.remove(id);
   colliders_[slot].clear();
   if (is_own(slot)) ++exchanged_;
@@ -265,7 +265,7 @@ NamedContact Part::named(const pbd::Contact& contact) const {
   const pbd::Manifold& m = contact.manifold;
   auto low = static_cast<std::uint32_t>(m.key >> (kIndexBits + kClusterBits));
   auto high = static_cast<std::uint32_t>(m.key >> kClusterBits & kIndexMask);
-  // The order of bodies may be another one than that of colliders.
+  // Bodies may be ordered differently from colliders.
   if (ordinal(m.body_a, low) == colliders_[m.body_a].size()) std::swap(low, high);
   return {names_[m.body_a],
           names_[m.body_b],

@@ -14,22 +14,22 @@
 
 namespace tandem::mpi {
 
-/// Names a body on all ranks: the stable id of a dynamic one, else kFixed and its place among those
-/// that do not move.
+/// Name of a body on all ranks: the stable id of a dynamic one; for others kFixed and their
+/// ordinal.
 using BodyName = std::uint64_t;
 inline constexpr BodyName kFixed = BodyName{1} << 63;
 
-/// A contact and what names it on all ranks.
+/// A contact and its name on all ranks.
 struct NamedContact {
   BodyName a = 0;
   BodyName b = 0;
-  std::uint32_t collider_a = 0;  ///< place among the body's own
+  std::uint32_t collider_a = 0;  ///< ordinal among the body's own
   std::uint32_t collider_b = 0;
   std::uint32_t cluster = 0;
   pbd::Contact contact;
 };
 
-/// The world of one rank: its own bodies, copies of others', and what does not move.
+/// The world of one rank: its own bodies, copies of others', static and kinematic bodies.
 class Part {
  public:
   Part(pbd::World& world, collision::CollisionScene& shapes) : world_(world), shapes_(shapes) {}
@@ -37,9 +37,9 @@ class Part {
   pbd::World& world() { return world_; }
   const pbd::World& world() const { return world_; }
 
-  /// @throws std::invalid_argument where the body or a collider is not what it must be
+  /// @throws std::invalid_argument if the body or a collider is not valid
   pbd::BodyId add(const pbd::BodyDef& def, std::span<const collision::ColliderDef> colliders);
-  /// A hull that dynamic bodies may have.
+  /// A hull for dynamic bodies.
   void use(const collision::Hull& hull) { hulls_.push_back(hull); }
   void remove(std::uint32_t slot);
 
@@ -49,24 +49,24 @@ class Part {
   bool is_copy(std::uint32_t slot) const { return slot < copies_.size() && copies_[slot] != 0; }
   std::span<const std::uint8_t> copies() const { return copies_; }
   BodyName name(std::uint32_t slot) const { return names_[slot]; }
-  /// BodyId::kNone where it is not here.
+  /// BodyId::kNone if it is not here.
   std::uint32_t slot_of(BodyName name) const;
-  /// m: no point of the body's shapes is further from its centre of mass.
+  /// m: bounding radius of the body's shapes about its centre of mass.
   double radius(std::uint32_t slot) const { return radii_[slot]; }
-  /// Whether some shape of the body is a mesh or a height field.
+  /// Whether a shape of the body is a mesh or a height field.
   bool has_surface(std::uint32_t slot) const { return surfaces_[slot] != 0; }
   /// Slots of own bodies, by name.
   const std::vector<std::uint32_t>& own() const;
-  /// Grows where a body becomes own, or is so no longer.
+  /// Increases when a body becomes own, or ceases to be.
   std::uint64_t exchanged() const { return exchanged_; }
 
-  /// Everything about a body, for another rank or a file.
+  /// All state of a body, for another rank or a file.
   void write(std::uint32_t slot, Bytes& out) const;
-  /// @return its slot; kNone where the bytes are no body's
+  /// @return its slot; kNone if the bytes are no body's
   std::uint32_t read(MessageReader& in, bool copy);
 
   NamedContact named(const pbd::Contact& contact) const;
-  /// Of the manifold that the contact may belong to here. @return false where a body is not here
+  /// Translate the contact to this part. @return false if a body is not here
   bool place(NamedContact& contact) const;
 
  private:

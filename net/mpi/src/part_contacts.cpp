@@ -7,8 +7,8 @@
 namespace tandem::mpi {
 namespace {
 
-/// Of a seam in a step, at most. It has the last word on its bodies: what it sweeps on and on is
-/// not solved by those behind them.
+/// Bound on a seam's extra sweeps in a step. The seam is solved last: bodies behind its own do not
+/// get the load of further sweeps.
 constexpr int kExtraSweeps = 4;
 
 pbd::ContactBlock* contact_block(pbd::World& world) {

@@ -11,15 +11,15 @@
 namespace tandem::mpi {
 
 /// The contacts of a part: those between own bodies for the world, those with copies for the seam.
-/// What touches two copies, or a copy and what does not move, is their owner's business.
+/// Contacts between two copies, or a copy and a body that does not move, belong to their owner.
 class PartContacts final : public pbd::ContactSource {
  public:
   PartContacts(Part& part, collision::CollisionScene& shapes, Seam& seam,
                const pbd::ContactOptions& options)
       : part_(part), shapes_(shapes), seam_(seam), options_(options) {}
 
-  /// Contacts of the last step that others have solved, or other blocks: the next collect() takes
-  /// over what goes on here.
+  /// Contacts of the last step solved by other ranks or blocks: the next collect() takes over those
+  /// that continue here.
   std::vector<NamedContact>& carried() { return carried_; }
   std::size_t seam_rows() const { return seam_rows_; }
 
@@ -27,7 +27,7 @@ class PartContacts final : public pbd::ContactSource {
                std::vector<pbd::Manifold>& out) override;
   void limit_motion(const pbd::World& world, std::span<const pbd::Pose> after,
                     pbd::Workers& workers, std::vector<pbd::MotionLimit>& limits) override;
-  /// Part::remove() has taken its colliders away already.
+  /// Part::remove() has removed its colliders already.
   void remove_body(pbd::BodyId /*body*/) override {}
   void save(pbd::ByteWriter& out) const override { shapes_.save(out); }
   void load(pbd::ByteReader& in) override { shapes_.load(in); }

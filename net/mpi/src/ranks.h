@@ -15,7 +15,7 @@
 
 namespace tandem::mpi {
 
-/// What a message is about: each kind has a tag of its own, so that none is taken for another.
+/// Kind of a message: each has its own tag, so that none is taken for another.
 enum class Topic : int {
   States = 1,
   Links,
@@ -28,11 +28,11 @@ enum class Topic : int {
   Copies
 };
 
-/// Messages between ranks, and the clock of StepCost. What lies between two calls is work; what
-/// happens within one is not.
+/// Messages between ranks, and the clock of StepCost. Time between two calls is work; time within a
+/// call is not.
 class Ranks {
  public:
-  /// @throws std::runtime_error where a tape cannot be used
+  /// @throws std::runtime_error if a tape cannot be used
   Ranks(const NetworkModel& network, const std::string& record, const std::string& replay);
   ~Ranks();
   Ranks(const Ranks&) = delete;
@@ -44,20 +44,20 @@ class Ranks {
 
   /// A buffer to write a message into, for send().
   Bytes& outgoing();
-  /// Send what the last outgoing() holds. Does not wait.
+  /// Send the contents of the last outgoing(). Does not block.
   void send(int to, Topic topic);
   /// The next message of a rank about a topic; valid until the next call.
   MessageReader receive(int from, Topic topic);
-  /// Everybody's bytes, by rank; valid until the next call.
+  /// All ranks' bytes, by rank; valid until the next call.
   std::span<MessageReader> gather(const Bytes& own);
-  /// `to[r]` goes to rank r; the same the other way round.
+  /// `to[r]` goes to rank r; returns what each rank sent here.
   std::vector<Bytes> exchange(const std::vector<Bytes>& to);
   bool any(bool own);
 
   void begin_step();
   StepCost end_step();
   Tape& tape() { return tape_; }
-  /// For what uses MPI by itself, between the two: it is no work.
+  /// For direct uses of MPI between the two calls, which are not work.
   void pause();
   void resume();
 
@@ -77,14 +77,14 @@ class Ranks {
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int count_ = 1;
-  std::list<Sent> sent_;   ///< on their way
-  std::list<Sent> spare_;  ///< their memory is used again
+  std::list<Sent> sent_;   ///< in transit
+  std::list<Sent> spare_;  ///< reused memory
   Bytes received_;
   Bytes gathered_;
   std::vector<MessageReader> readers_;
   std::vector<int> sizes_;
   std::vector<int> places_;
-  double mark_ = 0.0;      ///< s, thread clock where work went on last
+  double mark_ = 0.0;      ///< s, thread clock when work last continued
   double modelled_ = 0.0;  ///< s, this rank's clock by the model
   double step_began_ = 0.0;
   StepCost cost_;

@@ -13,7 +13,8 @@ using pbd::Vec3;
 
 namespace {
 
-/// Turns of ranks that hold displacements against contacts, those between them and their own.
+/// Iterations in which ranks solve displacements against contacts, those between them and their
+/// own.
 constexpr int kHoldTurns = 4;
 
 }  // namespace
@@ -46,9 +47,9 @@ void Seam::note_touched(std::span<const pbd::Manifold> between, std::uint32_t sl
 
 void Seam::begin_step(const SubstepContext& ctx) {
   if (!rows_.empty()) rows_.begin_step(ctx);
-  // What is displaced here presses on bodies of others, which take part then: of each neighbour,
-  // whether one of the two has targets in this step, or somebody beside them, as far as it presses
-  // in as many turns.
+  // Displaced bodies press on other ranks' bodies, which then take part: each neighbour needs to
+  // know whether one of the two has targets in this step, or a rank beyond them, as far as pressure
+  // spreads in this number of iterations.
   displaces_ = ctx.shared;
   for (int turn = 0; turn < kHoldTurns; ++turn) {
     const bool own = displaces_;
@@ -98,7 +99,7 @@ double Seam::project_displacement(const SubstepContext& ctx) {
     remember(ctx, With::WhoDisplaces);
     if (!rows_.empty()) rows_.project_displacement(ctx);
     exchange_corrections(ctx, Topic::Corrections, true, With::WhoDisplaces);
-    // What gives way presses on the next one.
+    // Displaced bodies press on the next ones.
     for (const auto& block : world_.blocks()) {
       if (block.get() == world_.contacts() && !block->empty()) block->project_displacement(ctx);
     }
@@ -111,7 +112,7 @@ double Seam::solve_velocity(const SubstepContext& ctx) {
   remember(ctx);
   if (!rows_.empty()) rows_.solve_velocity(ctx);
   exchange_corrections(ctx, Topic::Corrections, false);
-  // Nobody knows here whether the others are done: all take the same number of sweeps.
+  // The ranks do not know whether the others have converged: all take the same number of sweeps.
   return std::numeric_limits<double>::infinity();
 }
 
@@ -130,7 +131,7 @@ pbd::BlockReport Seam::report() const {
   return report;
 }
 
-/// From the owners to who solves.
+/// From the owners to the solving rank.
 void Seam::exchange_velocities(const SubstepContext& ctx, bool with_pose, With with) {
   for (const Neighbour& neighbour : neighbours_.all()) {
     const std::size_t count = part_of(neighbour, ctx);
@@ -180,7 +181,7 @@ void Seam::remember(const SubstepContext& ctx, With with) {
   }
 }
 
-/// From who solves back to the owners: what has changed since remember().
+/// From the solving rank back to the owners: changes since remember().
 void Seam::exchange_corrections(const SubstepContext& ctx, Topic topic, bool with_push, With with) {
   std::size_t at = 0;
   for (const Neighbour& neighbour : neighbours_.all()) {

@@ -12,12 +12,12 @@
 namespace tandem::mpi {
 
 /// Contacts between own bodies and copies, solved after all others of a sweep: the owners'
-/// velocities come before, what the rows have changed goes back after. So between two ranks a sweep
-/// is one of Gauss and Seidel, and no impulse is applied to one side alone. What several ranks
-/// change of one body adds up.
+/// velocities come before, and the rows' changes go back after. So a sweep between two ranks is
+/// Gauss-Seidel, and no impulse is applied to one side alone. Changes of one body by several ranks
+/// add up.
 class Seam final : public pbd::ConstraintBlock {
  public:
-  /// @param world  of which it is a block
+  /// @param world  the block's world
   Seam(const pbd::World& world, Ranks& ranks, Neighbours& neighbours)
       : world_(world), ranks_(ranks), neighbours_(neighbours) {}
 
@@ -25,7 +25,7 @@ class Seam final : public pbd::ConstraintBlock {
   const pbd::ContactBlock& rows() const { return rows_; }
   void forget();
   std::vector<Neighbour>& neighbours() { return neighbours_.all(); }
-  /// Which copies the contacts of this step touch.
+  /// Mark the copies that contacts of this step touch.
   void note_touched(std::span<const pbd::Manifold> between, std::uint32_t slots);
 
   std::string_view name() const override { return "seam"; }
@@ -61,18 +61,18 @@ class Seam final : public pbd::ConstraintBlock {
   void remember(const pbd::SubstepContext& ctx, With with = With::All);
   void exchange_corrections(const pbd::SubstepContext& ctx, Topic topic, bool with_push,
                             With with = With::All);
-  /// Calls visit(slot) for what takes part in this group.
+  /// Calls visit(slot) for the bodies that take part in this group.
   template <class Visit>
   static void for_touched(const Neighbour& neighbour, const pbd::SubstepContext& ctx,
                           Visit&& visit);
-  /// How many bodies that are.
+  /// Their number.
   static std::size_t part_of(const Neighbour& neighbour, const pbd::SubstepContext& ctx);
 
   const pbd::World& world_;
   Ranks& ranks_;
   Neighbours& neighbours_;
   pbd::ContactBlock rows_;
-  bool displaces_ = false;             ///< with some neighbour
+  bool displaces_ = false;             ///< with any neighbour
   std::vector<std::uint8_t> touched_;  ///< by slot, scratch
   std::vector<Motion> before_;         ///< of copies, in the order of for_touched()
 };

@@ -27,13 +27,13 @@ Kind kind_of(const collision::Shape& shape) {
   return Kind::Other;
 }
 
-/// Where a hull is among them; their number where it is not.
+/// Ordinal of a hull in `hulls`; their number if it is not there.
 std::size_t place_of(const collision::Shape& shape, const Hulls& hulls) {
   const auto at = std::find(hulls.begin(), hulls.end(), std::get<collision::Hull>(shape));
   return static_cast<std::size_t>(at - hulls.begin());
 }
 
-/// The numbers of a shape: three of them at most.
+/// The numbers of a shape: at most three.
 pbd::Vec3 numbers_of(const collision::Shape& shape, const Hulls& hulls) {
   switch (kind_of(shape)) {
     case Kind::Sphere:
@@ -54,7 +54,7 @@ pbd::Vec3 numbers_of(const collision::Shape& shape, const Hulls& hulls) {
   return pbd::Vec3::Zero();
 }
 
-/// @param n  as numbers_of(); of a hull checked before
+/// @param n  from numbers_of(); a hull's ordinal was checked
 collision::Shape shape_of(Kind kind, const pbd::Vec3& n, const Hulls& hulls) {
   switch (kind) {
     case Kind::Sphere:

@@ -10,12 +10,12 @@
 
 namespace tandem::mpi {
 
-/// What a rank was told, in order, so that it can run again by itself: see ClusterOptions::record.
+/// A rank's inputs in order, so that it can be replayed alone: see ClusterOptions::record.
 class Tape {
  public:
   /// Neither records nor replays.
   Tape() = default;
-  /// @throws std::runtime_error where a file cannot be opened, or is none
+  /// @throws std::runtime_error if a file cannot be opened, or is no tape
   void record(const std::string& path, int rank, int count);
   void replay(const std::string& path);
 
@@ -25,12 +25,12 @@ class Tape {
   int count() const { return count_; }
 
   void write(std::span<const std::byte> bytes);
-  /// The next of what write() was given.
+  /// The next record that was given to write().
   void read(Bytes& bytes);
 
  private:
   std::ofstream out_;
-  Bytes all_;  ///< of a tape that is replayed
+  Bytes all_;  ///< of the replayed tape
   std::size_t at_ = 0;
   bool replays_ = false;
   int rank_ = 0;

@@ -24,18 +24,18 @@ struct StoredNews {
   StoredRecord stored;
 };
 
-/// What the hub's thread and the application's share.
+/// Shared by the hub's thread and the application's.
 struct __attribute__((visibility("hidden"))) LedgerDesk {
   LedgerDesk(NatsHub::Impl& hub, const Subjects& subjects, const net::crypto::Secret& session_key)
       : store(hub, subjects, session_key) {}
 
-  LedgerStore store;  ///< of the hub's thread alone
+  LedgerStore store;  ///< used by the hub's thread only
   std::atomic<bool> closed = false;
   std::atomic<std::size_t> waiting = 0;
   std::atomic<std::uint64_t> rewritten = 0;
   std::mutex mutex;
   std::vector<StoredNews> news;
-  std::set<Cell> asked;  ///< to be looked at
+  std::set<Cell> asked;  ///< to be read
 
   void tell(LedgerNews::Kind kind, const StoredRecord& record) {
     const std::scoped_lock lock(mutex);
@@ -90,19 +90,19 @@ class __attribute__((visibility("hidden"))) BodyLedger::Impl {
     ask([shared = shared.get(), cell] {
       {
         const std::scoped_lock lock(shared->mutex);
-        shared->asked.erase(cell);  // what is written from here on is asked for again
+        shared->asked.erase(cell);  // later records are requested again
       }
       const auto tell = [shared](const StoredRecord& record) {
         shared->tell(LedgerNews::Kind::Found, record);
       };
       if (shared->store.look(cell, tell) == LedgerStore::Result::Done) return true;
       const std::scoped_lock lock(shared->mutex);
-      return !shared->asked.insert(cell).second;  // it was: that one looks
+      return !shared->asked.insert(cell).second;  // already requested: that request reads it
     });
   }
 
-  /// A server that was killed may have lost records that it had acknowledged. Who wrote one, or is
-  /// where its body is, remembers it, and writes it again unless there is a later one.
+  /// A server that was killed may have lost acknowledged records. Their writers, and the peers that
+  /// watch their cells, write them again unless there are later ones.
   void write_again() {
     std::vector<StoredRecord> all;
     for (const auto& [id, each] : known) {
@@ -110,7 +110,7 @@ class __attribute__((visibility("hidden"))) BodyLedger::Impl {
     }
     const std::uint64_t turn = ++shared->rewritten;
     ask([shared = shared.get(), turn, all = std::move(all)]() mutable {
-      if (turn != shared->rewritten) return true;  // there is a later one
+      if (turn != shared->rewritten) return true;  // superseded by a later rewrite
       for (; !all.empty(); all.pop_back()) {
         StoredRecord now = all.back();
         if (shared->store.write(now, all.back()) == LedgerStore::Result::NoServer) return false;
@@ -120,7 +120,7 @@ class __attribute__((visibility("hidden"))) BodyLedger::Impl {
     });
   }
 
-  /// Where a body is looked for from now on.
+  /// The cell in which a body is found from now on.
   Cell cell_of(const LedgerRecord& record) const {
     const bool stays =
         record.revision > 0 &&
@@ -147,7 +147,7 @@ BodyLedger::BodyLedger(const LedgerOptions& options) {
 }
 
 BodyLedger::~BodyLedger() {
-  // What was written last is worth a moment.
+  // Wait briefly for the last writes.
   const auto end = std::chrono::steady_clock::now() + kLeavePatience;
   while (impl_->shared->waiting > 0 && impl_->options.hub->impl().connected() &&
          std::chrono::steady_clock::now() < end) {
@@ -202,7 +202,7 @@ const LedgerRecord* BodyLedger::known(const SharedId& id) const {
 }
 
 void BodyLedger::take(std::vector<LedgerNews>& out) {
-  // What was told while there was no server is looked for, and what it has lost is written again.
+  // After a reconnect: read what was written meanwhile, and write again what the server has lost.
   const std::uint64_t reconnects = impl_->options.hub->impl().reconnects();
   if (reconnects != impl_->reconnects) {
     impl_->reconnects = reconnects;
@@ -220,7 +220,7 @@ void BodyLedger::take(std::vector<LedgerNews>& out) {
     if (stored.record.revision == 0) continue;
     if (impl_->known.size() >= kMaxKnown && !impl_->known.contains(id)) continue;
     Impl::Known& known = impl_->known[id];
-    // News overtake each other; of two records the later one counts.
+    // News may overtake each other; the later of two records counts.
     if (stored.version() < known.stored.version()) continue;
     const bool is_known = stored.version() == known.stored.version();
     known.stored = stored;

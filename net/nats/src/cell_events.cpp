@@ -24,7 +24,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kLastWords{1};
-/// One cell after the other is looked at, whatever is said of them: a word of news can be lost.
+/// Interval of reading the cells in turn, as notifications can be lost.
 constexpr std::chrono::milliseconds kLookEvery{500};
 constexpr std::size_t kMaxLogs = 4096;
 
@@ -38,28 +38,28 @@ struct SaidEvent {
   Clock::time_point at;
 };
 
-/// What the hub's threads and the application's share.
+/// Shared by the hub's threads and the application's.
 struct __attribute__((visibility("hidden"))) EventDesk {
   EventDesk(NatsHub::Impl& through, const Subjects& subjects, const CellEventOptions& options)
       : hub(through), store(through, subjects, options) {}
 
   NatsHub::Impl& hub;
 
-  EventStore store;               ///< of the hub's thread alone
-  std::map<Cell, EventLog> logs;  ///< likewise
+  EventStore store;               ///< used by the hub's thread only
+  std::map<Cell, EventLog> logs;  ///< used by the hub's thread only
   std::atomic<bool> closed = false;
   std::atomic<std::size_t> waiting = 0;
   std::mutex mutex;
   std::set<Cell> asked;  ///< to be read
   bool write_asked = false;
   std::vector<CellEvent> news;
-  std::set<Cell> left;  ///< not read to the end, for want of room in `news`
+  std::set<Cell> left;                                ///< not read to the end, as `news` was full
   std::deque<std::shared_ptr<const SaidEvent>> kept;  ///< own, by ascending number
-  std::uint64_t written = 0;                          ///< the last that the server has
-  std::uint64_t life = 0;                             ///< which server
+  std::uint64_t written = 0;                          ///< last event on the server
+  std::uint64_t life = 0;                             ///< life of the server
 
-  /// What is next to be written; null: nothing. A server that has begun anew may have lost any:
-  /// then it is all, so that none overtakes one before it.
+  /// The next event to write; null: none. A restarted server may have lost any event: then all are
+  /// written again, in order.
   std::shared_ptr<const SaidEvent> next_to_write(std::uint64_t now) {
     const std::scoped_lock lock(mutex);
     if (life != now) written = 0;
@@ -86,11 +86,11 @@ struct __attribute__((visibility("hidden"))) EventDesk {
   bool read(const Cell& cell) {
     {
       const std::scoped_lock lock(mutex);
-      asked.erase(cell);  // what is said from here on is asked for again
+      asked.erase(cell);  // later events are requested again
     }
     if (read_on(cell)) return true;
     const std::scoped_lock lock(mutex);
-    return !asked.insert(cell).second;  // it was: that one reads it
+    return !asked.insert(cell).second;  // already requested: that request reads it
   }
   bool read_on(const Cell& cell) {
     if (!has_room(cell)) return true;
@@ -103,7 +103,7 @@ struct __attribute__((visibility("hidden"))) EventDesk {
       return has_room(cell);
     });
   }
-  /// Where there is none the cell is read when some has been made.
+  /// If there is no room, the cell is read once some has been made.
   bool has_room(const Cell& cell) {
     const std::scoped_lock lock(mutex);
     if (news.size() < CellEvents::kMaxUntaken) return true;
@@ -137,7 +137,7 @@ class __attribute__((visibility("hidden"))) CellEvents::Impl {
     random({reinterpret_cast<std::uint8_t*>(&source), sizeof source});
   }
 
-  /// Of the application's thread or the client library's.
+  /// On the application's thread or the client library's.
   static void ask(NatsHub::Impl& hub, const std::shared_ptr<EventDesk>& desk,
                   std::function<bool()> job) {
     ++desk->waiting;
@@ -181,7 +181,7 @@ class __attribute__((visibility("hidden"))) CellEvents::Impl {
   std::map<Cell, NatsOwned<natsSubscription>> listened;
   std::uint64_t reconnects = 0;
   Clock::time_point look_due = Clock::now();
-  Cell looked{};  ///< at last
+  Cell looked{};  ///< last cell read in turn
 };
 
 CellEvents::CellEvents(const CellEventOptions& options) {
@@ -191,7 +191,7 @@ CellEvents::CellEvents(const CellEventOptions& options) {
 
 CellEvents::~CellEvents() {
   impl_->listened.clear();
-  // What was said last is worth a moment.
+  // Wait briefly for the last events.
   const auto end = Clock::now() + kLastWords;
   while (impl_->desk->waiting > 0 && impl_->options.hub->impl().connected() && Clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -253,7 +253,7 @@ bool CellEvents::send(const pbd::Vec3& position, std::string_view topic,
 
 void CellEvents::take(std::vector<CellEvent>& out) {
   NatsHub::Impl& hub = impl_->options.hub->impl();
-  // What a server has lost is said again, and what was said meanwhile is looked for.
+  // After a reconnect: send again what the server has lost, and read what was sent meanwhile.
   if (const std::uint64_t now = hub.reconnects(); now != impl_->reconnects) {
     impl_->reconnects = now;
     impl_->write();

@@ -15,21 +15,21 @@
 
 namespace tandem::nats {
 
-// What is said to cells, before it is sealed (group_seal.h).
+// Messages to cells, before sealing (group_seal.h).
 
-/// Where a peer is, and how far it hears.
+/// Position of a peer, and how far it listens.
 struct Presence {
-  std::int64_t sent = 0;  ///< ns, of the sender's own clock: nobody else can read it
+  std::int64_t sent = 0;                   ///< ns, by the sender's own clock: meaningless to others
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, world
-  double hears = 0.0;                      ///< m: whom it connects to
+  double hears = 0.0;                      ///< m: distance within which it connects
 };
 
-/// What a cell comes to.
+/// Summary of a cell.
 struct Summary {
   Cell cell;
   std::uint32_t people = 0;
-  std::span<const std::byte> content;  ///< the application's; a view into what was decoded
-  /// Ed25519 over all before it; zeros: nobody's.
+  std::span<const std::byte> content;  ///< the application's; a view into the decoded bytes
+  /// Ed25519 over everything before it; zeros: unsigned.
   std::array<std::uint8_t, net::crypto::kSignatureBytes> signature{};
 };
 
@@ -40,7 +40,7 @@ void encode(const Presence& presence, std::vector<std::byte>& out);
 /// Without the signature's bytes, which follow.
 void encode(const Summary& summary, std::vector<std::byte>& out);
 
-/// None: wrong length, a number that is not finite or out of range, a cell that cannot be.
+/// None: wrong length, a number not finite or out of range, an impossible cell.
 std::optional<Presence> decode_presence(std::span<const std::byte> bytes);
 std::optional<Summary> decode_summary(std::span<const std::byte> bytes);
 

@@ -31,7 +31,7 @@ net::UdpOptions bound_by(const DirectOptions& options) {
   return out;
 }
 
-/// Those of this machine's interfaces; of the loopback's where there is no other.
+/// Addresses of this machine's interfaces; the loopback's if there are no others.
 std::vector<asio::ip::address> own_addresses(bool with_v6) {
   std::vector<asio::ip::address> out;
   ifaddrs* list = nullptr;
@@ -82,7 +82,7 @@ DirectSocket::DirectSocket(const DirectOptions& options)
 
 DirectSocket::~DirectSocket() {
   const char end = 0;
-  // Room for one byte there is always.
+  // The pipe always has room for one byte.
   (void)!write(wake_[1], &end, 1);
   thread_.join();
   close(wake_[1]);

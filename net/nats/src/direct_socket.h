@@ -21,29 +21,29 @@
 
 namespace tandem::nats {
 
-/// A UDP socket for all peers of a process, beside their connection to the server. It lets packets
-/// of connections through and no handshakes: who meets whom is said over the server.
+/// A UDP socket for all peers of a process, beside their connection to the server. It accepts
+/// packets of connections, but no handshakes: these go over the server.
 /// @par Thread safety  Any thread.
 class DirectSocket {
  public:
-  /// Hears what comes, on the socket's thread; does not wait.
+  /// Called with a datagram, on the socket's thread; must not block.
   using Hear = std::function<void(std::span<const std::byte> datagram, const net::Address& from)>;
 
-  /// Throws std::system_error where it cannot bind.
+  /// Throws std::system_error if it cannot bind.
   explicit DirectSocket(const DirectOptions& options);
   ~DirectSocket();
   DirectSocket(const DirectSocket&) = delete;
   DirectSocket& operator=(const DirectSocket&) = delete;
 
-  /// What has a receiver number with this upper half, for as long as `hear` lives, and perhaps once
-  /// more at that time.
+  /// Receive packets whose receiver number has this upper half, for the lifetime of `hear`, and
+  /// perhaps once more at its end.
   void attach(std::uint16_t prefix, const std::shared_ptr<Hear>& hear);
-  /// May be lost.
+  /// The datagram may be lost.
   void send(std::span<const std::byte> datagram, const net::Address& to);
   std::uint16_t port() const { return socket_.port(); }
-  /// Datagrams that nobody here has heard.
+  /// Datagrams without a receiver here.
   std::uint64_t unknown() const { return unknown_; }
-  /// Where others reach it, as far as is known here.
+  /// Public addresses, as far as known here.
   const std::vector<net::Address>& addresses() const { return addresses_; }
 
  private:
@@ -53,10 +53,10 @@ class DirectSocket {
   asio::io_context context_{1};
   net::BoundSocket socket_;
   std::vector<net::Address> addresses_;
-  std::mutex mutex_;  ///< of who hears
+  std::mutex mutex_;  ///< of heard_by_
   std::vector<std::pair<std::uint16_t, std::weak_ptr<Hear>>> heard_by_;
   std::atomic<std::uint64_t> unknown_ = 0;
-  std::array<int, 2> wake_{-1, -1};  ///< a pipe: after a word in it the thread ends
+  std::array<int, 2> wake_{-1, -1};  ///< a pipe: a byte in it ends the thread
   std::thread thread_;
 };
 

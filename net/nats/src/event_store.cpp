@@ -13,7 +13,7 @@ namespace tandem::nats {
 namespace {
 
 constexpr std::int64_t kEventPatience = 1000;          // ms
-constexpr std::size_t kMaxAtOnce = 4096;               // events of one look
+constexpr std::size_t kMaxAtOnce = 4096;               // events per read
 constexpr std::int64_t kLongestAge = 120'000'000'000;  // ns, of names that the server remembers
 constexpr std::uint8_t kEvent = 3;  // presences and summaries, under the same key, are 1 and 2
 
@@ -96,7 +96,7 @@ bool EventStore::open() {
   config.Duplicates = std::min(kept_, kLongestAge);
   config.AllowDirect = true;
   jsStreamInfo* info = nullptr;
-  // The same again is no error.
+  // An existing identical stream is no error.
   const natsStatus status = js_AddStream(&info, context_.get(), &config, nullptr, nullptr);
   const NatsOwned<jsStreamInfo> owned(info);
   if (status != NATS_OK) hub_.note_failure("keep the stream " + stream_, status);
@@ -127,7 +127,7 @@ bool EventStore::write(const Cell& cell, const std::string& name,
 bool EventStore::read(const Cell& cell, EventLog& log,
                       const std::function<bool(const CellEvent&)>& found) {
   if (!open()) return false;
-  // One that has lost events gives their sequences to others.
+  // A server that has lost events reuses their sequences.
   if (log.life != open_) log.next = 1;
   log.life = open_;
   const std::string all = subject(cell);
@@ -149,7 +149,7 @@ bool EventStore::read(const Cell& cell, EventLog& log,
     log.next = natsMsg_GetSequence(made) + 1;
     const std::span bytes(reinterpret_cast<const std::byte*>(natsMsg_GetData(made)),
                           static_cast<std::size_t>(natsMsg_GetDataLength(made)));
-    // What was heard before is known by the numbers within, over all lives of a sender.
+    // Duplicates are recognised by the numbers within, which hold for all lives of a server.
     const auto opened = open_group_record(bytes, session_key_);
     auto event = opened ? decode_event(opened->plain) : std::nullopt;
     if (!event || event->event.cell != cell) {

@@ -113,14 +113,14 @@ GroupOpener::Heard GroupOpener::judge(const GroupHeader& header, const Sender* k
   const bool late = header.time < there - kMaxAge;
   const bool early = header.time > there + kMaxAge;
   if (connected && *connected == header.incarnation) {
-    // The handshake has shown that this process is there now, whatever its clock says; by how much
-    // that is wrong its first message tells, or one that was less late.
+    // The handshake has shown that this process is present, whatever its clock says; the error of
+    // its clock follows from its first message, or a less delayed one.
     if (same_process) return late ? Heard::Refused : Heard::Now;
     return !late && header.time <= floor_ ? Heard::Refused : Heard::Now;
   }
   if (late || early || connected) return Heard::Elsewhen;
   if (known == nullptr) return header.time <= floor_ ? Heard::Refused : Heard::Now;
-  // Clocks of its processes need not agree: which one is there a connection will tell.
+  // Clocks of its processes need not agree: a connection will show which one is present.
   return same_process || header.time > known->most ? Heard::Now : Heard::Elsewhen;
 }
 
@@ -128,14 +128,14 @@ void GroupOpener::remember(const GroupHeader& header, bool is_connected, std::in
   if (senders_.size() >= kMaxSenders && !senders_.contains(header.sender)) {
     const auto silent = std::ranges::min_element(
         senders_, {}, [](const auto& entry) { return entry.second.heard; });
-    // What it has said does not open again where nobody remembers it.
+    // A dropped sender's messages must not open again.
     floor_ = std::max(floor_, silent->second.most - silent->second.ahead);
     senders_.erase(silent);
   }
   Sender& sender = senders_[header.sender];
   const std::int64_t ahead = header.time - now;
   if (is_connected) {
-    // A message that was late says less than it is.
+    // A delayed message underestimates the lead.
     sender.ahead = sender.incarnation == header.incarnation ? std::max(sender.ahead, ahead) : ahead;
   }
   sender.incarnation = header.incarnation;
@@ -147,7 +147,7 @@ void GroupOpener::remember(const GroupHeader& header, bool is_connected, std::in
 GroupOpener::Opened GroupOpener::open(std::span<const std::byte> message,
                                       const net::Credentials& credentials, std::int64_t now,
                                       const Connected& connected) {
-  ++refused_;  // until it is known to be good
+  ++refused_;  // until it is accepted
   const auto header = read_header(message);
   if (!header) return {};
   const auto at = senders_.find(header->sender);
@@ -157,11 +157,11 @@ GroupOpener::Opened GroupOpener::open(std::span<const std::byte> message,
   if (heard == Heard::Refused) return {};
   for (std::size_t i = 0; i < credentials.key_count(); ++i) {
     if (!open_with(credentials.key(i), *header, message, plain_)) continue;
-    // Whoever has missed a change has the key before it still, and so has who is revoked.
+    // A member that has missed a change still has the former key, and so has a revoked one.
     if (heard == Heard::Elsewhen || i > 0) {
       return {.heard = Heard::Elsewhen, .sender = header->sender, .key = i};
     }
-    // Only now is anything remembered: it is a member's.
+    // Stored only now that it is authenticated.
     remember(*header, process.has_value(), now);
     --refused_;
     return {.heard = Heard::Now, .sender = header->sender, .plain = plain_};

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kDriveEvery{5};
 constexpr std::int64_t kConnectTimeout = 2000;  // ms
-constexpr std::int64_t kPingEvery = 2000;       // ms: a server that has gone silent is noticed
+constexpr std::int64_t kPingEvery = 2000;       // ms: detects a server that has become silent
 constexpr int kPingsOut = 2;
 
 void check(natsStatus status, const char* what) {
@@ -58,12 +58,12 @@ NatsOwned<natsOptions> library_options(const HubOptions& options,
   check(natsOptions_SetReconnectJitter(made, options.reconnect_wait.count(),
                                        options.reconnect_wait.count()),
         "set a time");
-  // What is published while there is no server fails at once. One that starts anew is not told what
-  // was meant for the one before.
+  // Publishing without a server fails at once: a restarted server must not get messages meant for
+  // its predecessor.
   check(natsOptions_SetReconnectBufSize(made, 1), "set a size");
   check(natsOptions_SetPingInterval(made, kPingEvery), "set a time");
   check(natsOptions_SetMaxPingsOut(made, kPingsOut), "set a number");
-  // One thread hands over what comes on all subscriptions, not one for each.
+  // One thread delivers the messages of all subscriptions.
   check(natsOptions_UseGlobalMessageDelivery(made, true), "set the delivery");
   const auto on_error = [](natsConnection*, natsSubscription*, natsStatus error, void* counter) {
     if (error == NATS_SLOW_CONSUMER) ++*static_cast<std::atomic<std::uint64_t>*>(counter);
@@ -134,7 +134,7 @@ NatsHub::Impl::~Impl() {
 }
 
 void NatsHub::Impl::publish(const std::string& subject, std::span<const std::byte> bytes) {
-  // What a client library keeps for a server that is away is old when that comes back.
+  // Messages kept by the client library for an absent server are outdated when it is back.
   if (!connected() || natsConnection_Publish(connection_.get(), subject.c_str(), bytes.data(),
                                              static_cast<int>(bytes.size())) != NATS_OK) {
     ++lost_;
@@ -142,7 +142,7 @@ void NatsHub::Impl::publish(const std::string& subject, std::span<const std::byt
 }
 
 NatsOwned<natsSubscription> NatsHub::Impl::subscribe(const std::string& subject, Hear hear) {
-  // Callbacks may run while the subscription is destroyed: what they use goes after the last one.
+  // Callbacks may run while the subscription is destroyed: their data is freed after the last one.
   auto kept = std::make_unique<Hear>(std::move(hear));
   const auto on_message = [](natsConnection*, natsSubscription*, natsMsg* message, void* closure) {
     const NatsOwned<natsMsg> owned(message);
@@ -161,7 +161,7 @@ NatsOwned<natsSubscription> NatsHub::Impl::subscribe(const std::string& subject,
     (void)kept.release();
   } else {
     natsSubscription_Unsubscribe(made);
-    (void)kept.release();  // a callback may be running: better lost than used after
+    (void)kept.release();  // a callback may be running: a leak is better than use after free
     return nullptr;
   }
   return out;
@@ -178,8 +178,8 @@ void NatsHub::Impl::detach(Driven& driven) {
 }
 
 void NatsHub::Impl::wake() {
-  // Without the lock, which is held while all are driven. Who comes between the thread's look and
-  // its sleep is seen kDriveEvery later.
+  // Without the lock, which is held while all are driven. A call between the thread's check and its
+  // sleep is noticed kDriveEvery later.
   if (!awake_.exchange(true)) woken_.notify_one();
 }
 

@@ -34,14 +34,14 @@ struct NatsFree {
 template <class T>
 using NatsOwned = std::unique_ptr<T, NatsFree>;
 
-/// Hears what comes on a subscription, on a thread of the client library; does not wait.
+/// Called with a subscription's messages, on a thread of the client library; must not block.
 using Hear = std::function<void(std::span<const std::byte>)>;
 
 /// Driven by the hub's thread.
 class Driven {
  public:
   virtual ~Driven() = default;
-  /// Called every few ms. Does not wait.
+  /// Called every few ms. Must not block.
   virtual void drive() = 0;
 };
 
@@ -52,38 +52,38 @@ class __attribute__((visibility("hidden"))) NatsHub::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  /// Lost where there is no server.
+  /// Lost without a server.
   void publish(const std::string& subject, std::span<const std::byte> bytes);
-  /// Until the subscription is destroyed, and perhaps once more at that time: what `hear` holds
-  /// lives as long as `hear`. Null where the connection is closed for good.
+  /// Lasts until the subscription is destroyed, with perhaps one more call at its end: data held by
+  /// `hear` lives as long as `hear`. Null if the connection is closed for good.
   NatsOwned<natsSubscription> subscribe(const std::string& subject, Hear hear);
 
   void attach(Driven& driven);
-  /// drive() does not run any more when this returns.
+  /// drive() is not running when this returns.
   void detach(Driven& driven);
-  /// Something was posted: look soon.
+  /// Something was posted: drive soon.
   void wake();
 
-  /// What waits for the server. What is left when the hub goes is not done.
+  /// Jobs that wait for the server. Those left when the hub is destroyed are not done.
   JobQueue& jobs() { return jobs_; }
-  /// A server that is there did not do it. Of the thread on which it was asked.
+  /// A connected server has failed. On the requesting thread.
   void note_failure(const std::string& what, natsStatus status);
 
   HubStatus status() const;
-  /// Of status(), without a look at the rest.
+  /// As status(), without the rest.
   bool connected() const;
-  /// Counted before connected() says so.
+  /// Incremented before connected() returns true.
   std::uint64_t reconnects() const;
-  /// Of the server that this is connected to, another one with each of its starts; 0: none.
+  /// Life of the connected server, different after each of its starts; 0: none.
   std::uint64_t life() const;
   std::uint64_t slow() const { return slow_; }
-  /// Null where there is none.
+  /// Null if there is none.
   DirectSocket* direct() { return direct_.get(); }
   natsConnection* connection() { return connection_.get(); }
 
  private:
   void run();
-  /// What the client library has counted.
+  /// Adds the client library's counts.
   void count(HubStatus& out) const;
 
   const bool driven_by_thread_;

@@ -14,8 +14,8 @@
 
 namespace tandem::nats {
 
-/// What came from the server, between the client library's thread and the transport. The oldest
-/// goes where it comes faster than it is taken.
+/// Messages of the server between the client library's thread and the transport. The oldest is
+/// dropped if they come faster than they are processed.
 class Inbox {
  public:
   static constexpr std::size_t kMaxMessages = 4096;

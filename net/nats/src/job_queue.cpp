@@ -66,7 +66,7 @@ void JobQueue::run() {
     } else {
       queue->jobs.front() = std::move(job);
     }
-    // By time, so that owners take turns.
+    // Sorted by time, so that owners take turns.
     queue->due = Clock::now() + (done ? Clock::duration{} : kTryAgain);
     if (queue->jobs.empty()) queues_.erase(queue);
   }

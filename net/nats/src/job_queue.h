@@ -13,8 +13,8 @@
 
 namespace tandem::nats {
 
-/// Jobs that may wait for a server, done on a thread of their own, those of one owner in turn. One
-/// that could not be done is tried again a little later, and holds up its owner's alone.
+/// Jobs that may block on a server, done on their own thread, each owner's in order. A failed job
+/// is retried a little later, and delays only its owner's.
 class JobQueue {
  public:
   using Owner = const void*;
@@ -27,9 +27,9 @@ class JobQueue {
   JobQueue& operator=(const JobQueue&) = delete;
 
   void add(Owner owner, Job job);
-  /// Returns when the job that is being done is over; the others are not done any more.
+  /// Returns when the running job is over; the others are discarded.
   void stop();
-  /// Of all owners.
+  /// Over all owners.
   std::size_t waiting() const;
 
  private:
@@ -46,9 +46,9 @@ class JobQueue {
 
   mutable std::mutex mutex_;
   std::condition_variable woken_;
-  std::vector<Queue> queues_;  // whose turn it is first
+  std::vector<Queue> queues_;  // in the order of their turns
   bool stop_ = false;
-  std::thread worker_;  // from the first job on
+  std::thread worker_;  // started by the first job
 };
 
 }  // namespace tandem::nats

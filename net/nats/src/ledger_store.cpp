@@ -18,10 +18,10 @@ using Result = LedgerStore::Result;
 using consensus::SharedId;
 
 constexpr std::int64_t kAnswerTime = 1000;  // ms
-constexpr std::size_t kMaxInCell = 4096;    // bodies that are looked at
+constexpr std::size_t kMaxInCell = 4096;    // bodies that are read
 constexpr std::size_t kNewsHeader = 32;     // the id and the place, before the record
-constexpr int kAttempts = 8;                // to write, while others write the same body
-constexpr int kWrongLastSequence = 10071;   // of the server's error codes
+constexpr int kAttempts = 8;                // to write, against concurrent writers of the same body
+constexpr int kWrongLastSequence = 10071;   // error code of the server
 
 std::string text_of(const SharedId& id) { return hex(id.high) + hex(id.low); }
 
@@ -65,7 +65,7 @@ Result LedgerStore::open() {
   config.MaxMsgsPerSubject = 1;
   config.AllowDirect = true;
   jsStreamInfo* info = nullptr;
-  // The same again is no error.
+  // An existing identical stream is no error.
   const natsStatus status = js_AddStream(&info, context_.get(), &config, nullptr, nullptr);
   const NatsOwned<jsStreamInfo> owned(info);
   if (status != NATS_OK) hub_.note_failure("keep the stream " + stream_, status);
@@ -119,7 +119,7 @@ Result LedgerStore::read(const SharedId& id, StoredRecord& out) {
     return Result::NoServer;
   }
   const auto opened = open_record(data_of(made), id, session_key_);
-  if (!opened) return Result::Refused;  // of a session key that is not known here
+  if (!opened) return Result::Refused;  // under a session key that is not known here
   out = *opened;
   out.place = {open_, natsMsg_GetSequence(made)};
   return Result::Done;
@@ -132,8 +132,7 @@ Result LedgerStore::write(StoredRecord& record, const StoredRecord& before) {
   const Cell cell = record.record.cell;
   std::vector<std::byte> sealed;
   seal_record(record.record, record.token, session_key_, random_, sealed);
-  // What a server had in an earlier life it may have lost, and given its sequence to another
-  // record.
+  // A restarted server may have lost a record, and reused its sequence for another one.
   bool sure = before.record.revision == 0 || before.place.life == life;
   StoredRecord stands = before;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -148,7 +147,7 @@ Result LedgerStore::write(StoredRecord& record, const StoredRecord& before) {
       }
     }
     std::uint64_t sequence = 0;
-    // First the index of where it will be: it is looked for there as soon as the record says so.
+    // The index of the new cell comes first: the body is found there once the record says so.
     if (!sure || before.record.revision == 0 || cell != before.record.cell) {
       const Result result = publish(index_subject(cell, id), {}, nullptr, sequence);
       if (result != Result::Done) return Result::NoServer;
@@ -160,7 +159,7 @@ Result LedgerStore::write(StoredRecord& record, const StoredRecord& before) {
               : publish(record_subject(record.record.id), sealed, &sequence, sequence);
     if (result == Result::NoServer) return result;
     if (result == Result::Refused) {
-      sure = false;  // an answer that was lost, or somebody else was first
+      sure = false;  // a lost answer, or another writer was first
       continue;
     }
     record.place = {life, sequence};
@@ -182,9 +181,9 @@ void LedgerStore::take_back(const std::string& subject, std::uint64_t sequence) 
   jsOptions_Init(&options);
   options.Wait = kAnswerTime;
   options.Stream.Purge.Subject = subject.c_str();
-  // Whoever has brought the body back meanwhile has said so after this record.
+  // A later return of the body was written after this record.
   options.Stream.Purge.Sequence = sequence;
-  // Where that fails an index stays that no record confirms.
+  // If that fails, an index stays that no record confirms.
   js_PurgeStream(context_.get(), stream_.c_str(), &options, nullptr);
 }
 

@@ -30,7 +30,7 @@ crypto::Secret record_key(const crypto::Secret& session_key, std::span<const std
   return out;
 }
 
-/// What is authenticated beside the record: its header, and whose it is.
+/// Additional authenticated data of a record: its header, and its body's id.
 std::vector<std::byte> bound_to(std::span<const std::byte> header, const consensus::SharedId& id) {
   std::vector<std::byte> out(header.begin(), header.end());
   pbd::ByteWriter writer(out);
@@ -93,7 +93,7 @@ std::optional<StoredRecord> open_record(std::span<const std::byte> bytes,
   out.token = reader.u64();
   out.record.revision = reader.u64();
   if (reader.failed() || reader.remaining() != 0 || out.record.revision == 0) return std::nullopt;
-  // What no peer would take as a state, from a member who lies.
+  // A lying member's record that no peer would accept as a state.
   const consensus::StateUpdate state{
       .id = id, .pose = out.record.pose, .twist = out.record.twist, .stamp = 1};
   if (!consensus::check(state).ok()) return std::nullopt;

@@ -6,8 +6,8 @@
 
 namespace tandem::nats {
 
-/// Whether a peer keeps up with what it is sent. It hears what it says to its own cell: how long
-/// that takes through the server and back is how long all else waits for it. Times in ns.
+/// Whether a peer keeps up with its messages. It receives its own presence: the delay through the
+/// server and back is the delay of all other messages. Times in ns.
 class Load {
  public:
   static constexpr std::int64_t kTooLate = 400'000'000;
@@ -18,7 +18,7 @@ class Load {
   void said(std::int64_t now) {
     if (waiting_since_ == kNever) waiting_since_ = now;
   }
-  /// What was said at `sent` has come back.
+  /// The presence sent at `sent` has come back.
   void heard(std::int64_t sent, std::int64_t now) {
     lag_ = now - sent;
     waiting_since_ = kNever;
@@ -26,13 +26,13 @@ class Load {
   }
   std::int64_t lag() const { return lag_; }
 
-  /// Every kLook. @param dropped  messages so far  @param connected  to a server, all the time
+  /// Call every kLook. @param dropped  messages so far  @param connected  to a server, all the time
   Verdict look(std::uint64_t dropped, bool connected, std::int64_t now) {
     if (now < next_) return Verdict::Wait;
     next_ = now + kLook;
     const bool lost = dropped > dropped_;
     dropped_ = dropped;
-    if (!connected) {  // nobody is slow who hears nothing at all
+    if (!connected) {  // a peer that receives nothing is not slow
       waiting_since_ = kNever;
       worst_ = 0;
       return Verdict::Wait;

@@ -19,13 +19,13 @@ namespace {
 constexpr std::size_t kSenderBytes = 8;                // before each datagram
 constexpr std::int64_t kFollowEvery = 50'000'000;      // ns
 constexpr std::int64_t kCoarsePeriod = 500'000'000;    // ns, of levels above 1
-constexpr std::int64_t kPartLife = 5'000'000'000;      // ns, of what was said of a part
-constexpr std::int64_t kPatience = 3'000'000'000;      // ns, for a handshake and a farewell
-constexpr std::int64_t kInviteAgain = 15'000'000'000;  // ns, the same one
-constexpr std::size_t kMaxInvited = 32;                // in that time
-constexpr std::int64_t kDoubt = 1'000'000'000;         // ns, to be heard under a new session key
-constexpr std::size_t kMaxDeparted = 8;                // they are listed in each step
-constexpr std::size_t kMaxPackets = 1024;              // of summaries that nobody drains
+constexpr std::int64_t kPartLife = 5'000'000'000;      // ns, of a part's summary
+constexpr std::int64_t kPatience = 3'000'000'000;      // ns, for a handshake or a farewell
+constexpr std::int64_t kInviteAgain = 15'000'000'000;  // ns, before the same peer is invited again
+constexpr std::size_t kMaxInvited = 32;                // within kInviteAgain
+constexpr std::int64_t kDoubt = 1'000'000'000;         // ns, to confirm a new session key
+constexpr std::size_t kMaxDeparted = 8;                // listed in each step
+constexpr std::size_t kMaxPackets = 1024;              // of summaries not drained
 
 net::UdpNodeOptions options_of(const NatsOptions& options, const DirectSocket* direct,
                                std::int64_t now, std::int64_t correction) {
@@ -37,7 +37,7 @@ net::UdpNodeOptions options_of(const NatsOptions& options, const DirectSocket* d
   out.path_limit = [](std::uint64_t) { return net::kMaxDatagram; };
   if (direct != nullptr && options.direct_peers > 0) {
     out.direct_addresses = direct->addresses();
-    // Of the way from socket to socket nothing more is known.
+    // The MTU of the direct path is unknown.
     out.path_limit = [](std::uint64_t) { return net::MtuSearch::kBase; };
   }
   out.start = now;
@@ -112,7 +112,7 @@ void NatsNode::tick(std::int64_t now) {
   std::ranges::move(direct_.inbox->take(), std::back_inserter(messages));
   std::ranges::inplace_merge(messages, messages.begin() + of_server, {}, &Inbox::Message::at);
   for (const Inbox::Message& message : messages) {
-    // The node's time does not go back, and what waited here has come when it came.
+    // The node's time must not go back, and waiting messages keep their arrival time.
     clocks_.last = std::max(clocks_.last, std::min(message.at, now));
     take_in(message);
   }
@@ -247,7 +247,7 @@ void NatsNode::follow(std::int64_t now) {
     heard_cells_[cell] = cell.level == 0 ? subscribe(subjects_.who(cell), Inbox::Kind::Presence)
                                          : subscribe(subjects_.summary(cell), Inbox::Kind::Summary);
   }
-  // Both ends find each other at about the same time; the lower id dials.
+  // Both ends notice each other at about the same time; the lower id dials.
   for (const PeerId peer : changes.meet)
     if (self_ < peer) node_.dial(net::path_address(peer), now);
   for (const PeerId peer : changes.part) node_.hang_up(peer, "too far away", now);
@@ -298,7 +298,7 @@ void NatsNode::publish_sealed(const std::string& subject, std::span<const std::b
 
 void NatsNode::say_where(std::int64_t now) {
   const std::int64_t every = period(cells_.presence_hz);
-  // Not all at once, whoever began together.
+  // Spread over time, even if peers start together.
   if (due_.presence == INT64_MIN)
     due_.presence = now + static_cast<std::int64_t>(self_ % 16) * every / 16 - every;
   due_.presence = std::max(due_.presence + every, now);

@@ -24,8 +24,8 @@
 
 namespace tandem::nats {
 
-/// One peer of NatsTransport without its lock: a node whose datagrams go to subjects, and what is
-/// said to cells and heard of them. Times in ns, of the transport's clock.
+/// One peer of NatsTransport without its lock: a node whose datagrams go to subjects, and its
+/// messages to and from cells. Times in ns, of the transport's clock.
 class NatsNode {
  public:
   NatsNode(const NatsOptions& options, std::shared_ptr<NatsHub> hub, std::int64_t now,
@@ -33,7 +33,7 @@ class NatsNode {
   NatsNode(const NatsNode&) = delete;
   NatsNode& operator=(const NatsNode&) = delete;
 
-  /// Take in what has come, and do what is due.
+  /// Process received messages, and do due work.
   void tick(std::int64_t now);
 
   net::UdpNode& node() { return node_; }
@@ -55,31 +55,32 @@ class NatsNode {
     explicit Level(PeerId self, std::int64_t now) : speaker(self, now) {}
     Speaker speaker;
     std::vector<std::byte> content;
-    /// Of all that it speaks for, while it does.
+    /// Summaries of all parts of its cell, while it summarises that.
     NatsOwned<natsSubscription> within;
     Cell of_within{-1, 0, 0};
-    std::map<Cell, std::pair<std::uint32_t, std::int64_t>> people;  ///< of its parts, when heard
+    std::map<Cell, std::pair<std::uint32_t, std::int64_t>> people;  ///< in its parts, and when
+                                                                    ///< heard
   };
 
-  /// What is sealed for all of the group, and opened.
+  /// Messages sealed for the group, and opened.
   struct Seal {
     GroupSealer sealer;
     GroupOpener opener;
-    std::uint64_t group = 0;        ///< change that counted last
-    std::uint64_t unbelieved = 0;   ///< opened, and not to be believed
+    std::uint64_t group = 0;        ///< last change applied
+    std::uint64_t unbelieved = 0;   ///< opened, but not accepted
     std::vector<std::byte> plain;   ///< scratch
     std::vector<std::byte> sealed;  ///< scratch
   };
-  /// Who may speak for a cell.
+  /// Keys for signing summaries.
   struct Speaking {
     std::optional<net::crypto::Secret> secret;  ///< own
     std::map<PeerId, net::crypto::PublicKey> trusted;
   };
-  /// Of those who are near, by UDP.
+  /// Near peers by UDP.
   struct Direct {
     Nearest nearest;
     std::shared_ptr<DirectSocket::Hear> hear;
-    /// Its own: who floods the socket takes no room from what comes from the server.
+    /// Separate, so that a flood of the socket takes no room from the server's messages.
     std::shared_ptr<Inbox> inbox = std::make_shared<Inbox>();
     std::uint64_t out = 0;
     std::uint64_t bytes_out = 0;
@@ -88,8 +89,8 @@ class NatsNode {
   };
   struct Clocks {
     std::function<std::int64_t()> steady;
-    std::int64_t correction = 0;    ///< ns: the system clock at the start less the own one
-    std::int64_t last = INT64_MIN;  ///< of the newest thing that the node was told
+    std::int64_t correction = 0;    ///< ns: system clock at the start minus own clock
+    std::int64_t last = INT64_MIN;  ///< latest time given to the node
   };
   struct Due {
     std::int64_t follow = INT64_MIN;
@@ -106,11 +107,11 @@ class NatsNode {
   void on_summary(const Inbox::Message& message);
   bool is_believed(PeerId sender, const Summary& summary, std::span<const std::byte> plain) const;
   void follow(std::int64_t now);
-  /// Ask a member who may be there, and of whom nothing is believed, for a connection.
+  /// Request a connection from a member that may be present but whose messages were not accepted.
   void invite(PeerId peer, std::size_t key);
-  /// Of whoever is not connected only what is said under a new session key counts.
+  /// Unconnected peers must confirm a new session key.
   void heed_group_change(std::int64_t now);
-  /// The node's connections and those that the neighbourhood wants come to the same.
+  /// Make the node's connections those that the neighbourhood wants.
   void reconcile(std::int64_t now);
   void say_where(std::int64_t now);
   void speak(std::int64_t now);
@@ -137,8 +138,8 @@ class NatsNode {
   std::map<Cell, NatsOwned<natsSubscription>> heard_cells_;
 
   Due due_;
-  std::map<PeerId, std::int64_t> amiss_;    ///< whose connection is not as wanted, since when
-  std::map<PeerId, std::int64_t> invited_;  ///< when
+  std::map<PeerId, std::int64_t> amiss_;    ///< peers whose connection is not as wanted, since when
+  std::map<PeerId, std::int64_t> invited_;  ///< time of invitation
   std::vector<consensus::Packet> packets_;  ///< of summaries
   std::vector<CellSummary> summaries_;
 };

@@ -18,7 +18,7 @@ using consensus::PeerId;
 
 namespace {
 
-constexpr std::int64_t kTickEvery = 10'000'000;  // ns, where nobody drains
+constexpr std::int64_t kTickEvery = 10'000'000;  // ns, if nobody drains
 constexpr std::chrono::milliseconds kFlushStep{2};
 
 std::int64_t steady_now() {
@@ -92,7 +92,7 @@ class __attribute__((visibility("hidden"))) NatsTransport::Impl final : public D
     node.tick(now);
   }
 
-  /// What was posted goes out, and the others hear that this peer goes.
+  /// Sends what was posted and announces that this peer leaves.
   void leave() {
     const auto end = std::chrono::steady_clock::now() + flush_timeout;
     const auto wait = [&] {

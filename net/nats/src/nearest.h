@@ -13,8 +13,8 @@
 
 namespace tandem::nats {
 
-/// Of those who are near, so many of the nearest, as all of them walk. Who is one of them gives way
-/// only to somebody who is nearer by `slack`, m.
+/// The nearest of the near peers, up to a number, as all of them move. One of them is replaced only
+/// by a peer nearer by `slack`, m.
 class Nearest {
  public:
   Nearest(std::size_t most, double slack) : most_(most), slack_(slack) {}

@@ -9,7 +9,7 @@ namespace tandem::nats {
 
 namespace {
 
-constexpr double kEnoughOfSlack = 0.05;  // that a user has moved before cells are looked at again
+constexpr double kEnoughOfSlack = 0.05;  // part of slack that a user moves before cells are updated
 
 }  // namespace
 
@@ -62,10 +62,10 @@ void Neighbourhood::update_hears() {
     const auto last = distances_.begin() + static_cast<std::ptrdiff_t>(limit_) - 1;
     const auto next = last + 1;
     std::nth_element(distances_.begin(), last, distances_.end());
-    // Half way to the first who is not heard any more.
+    // Half way to the first peer that is no longer heard.
     want = std::min(want, 0.5 * (*last + *std::min_element(next, distances_.end())));
   }
-  // A little is no news: who comes and goes at the edge ends nothing.
+  // Small changes are ignored: peers that come and go at the edge end nothing.
   if (want < hears_ - 0.5 * options_.slack || want > hears_ + 0.5 * options_.slack ||
       want == options_.near) {
     hears_ = want;
@@ -106,7 +106,7 @@ void Neighbourhood::update_cells() {
     changes_.unlisten.push_back(*at);
     at = cells_.erase(at);
   }
-  // Who has gone too far is heard once more, and so parted from.
+  // A peer that has moved too far is heard once more, and so parted from.
   want_around(0, options_.near + 2.0 * options_.slack);
   for (int level = 1; level < options_.levels; ++level) {
     want_around(level, cell_edge(options_, level));

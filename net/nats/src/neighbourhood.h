@@ -17,32 +17,32 @@
 
 namespace tandem::nats {
 
-/// Whom a peer is connected to and which cells it listens to, as its user walks. It is told of who
-/// is where and says what is to change; it does nothing itself. Times in ns.
+/// Decides which peers to connect to and which cells to subscribe to as the user moves. It is told
+/// positions and returns changes; it does nothing itself. Times in ns.
 ///
-/// Two peers are connected where each is within what the other one hears, and stay so until they
-/// are `slack` beyond that: both ends decide by the same numbers. What a peer hears is `near`, or
-/// less where more than its limit are there; the limit is max_near, and goes down to min_near while
-/// this peer is too slow.
+/// Two peers are connected if each is within what the other one hears, and stay so until they are
+/// `slack` beyond that: both ends decide by the same numbers. A peer hears up to `near`, or less if
+/// more peers than its limit are there; the limit is max_near, and decreases to min_near while this
+/// peer is too slow.
 class Neighbourhood {
  public:
   using PeerId = consensus::PeerId;
 
-  static constexpr std::size_t kMaxContacts = 1024;       ///< the farthest goes for a nearer one
-  static constexpr std::int64_t kForget = 4'000'000'000;  ///< who has been silent for so long
+  static constexpr std::size_t kMaxContacts = 1024;       ///< a nearer one replaces the farthest
+  static constexpr std::int64_t kForget = 4'000'000'000;  ///< after this silence a peer is dropped
 
   Neighbourhood(const CellOptions& options, PeerId self) : options_(options), self_(self) {}
 
-  /// The user is here now, m, world.
+  /// Position of the user, m, world.
   void move(const pbd::Vec3& position) { position_ = position; }
   const pbd::Vec3& position() const { return position_; }
   void hear(PeerId peer, const Presence& presence, std::int64_t now);
-  /// There is no connection to it any more: it is met again when it is heard again.
+  /// Its connection has ended: it is met again when it is heard again.
   void lose(PeerId peer) {
     contacts_.erase(peer);
     std::erase_if(met_, [peer](const NearPeer& each) { return each.peer == peer; });
   }
-  /// Those whom `doubted` names are taken to have been silent since `then`.
+  /// Treat the peers named by `doubted` as silent since `then`.
   template <class Doubted>
   void doubt(const Doubted& doubted, std::int64_t then) {
     for (auto& [peer, contact] : contacts_) {
@@ -53,13 +53,13 @@ class Neighbourhood {
     const auto at = contacts_.find(peer);
     return at != contacts_.end() && at->second.met;
   }
-  /// This peer cannot take in what it is sent: fewer from now on. Or it can: one more.
+  /// This peer is too slow: fewer peers from now on. Or it keeps up: one more.
   void lower_limit();
   void raise_limit();
   std::size_t limit() const { return limit_; }
 
   struct Changes {
-    std::vector<Cell> listen;  ///< of level 0: who is there; above: what they come to
+    std::vector<Cell> listen;  ///< of level 0: who is there; above: summaries
     std::vector<Cell> unlisten;
     std::vector<PeerId> meet;
     std::vector<PeerId> part;
@@ -68,8 +68,8 @@ class Neighbourhood {
       return listen.empty() && unlisten.empty() && meet.empty() && part.empty();
     }
   };
-  /// What is to change now. Valid until the next call. @param served  there is a server; without
-  /// one nobody is heard, and silence says nothing
+  /// Changes to make now. Valid until the next call. @param served  whether there is a server;
+  /// without one nobody is heard, and silence means nothing
   const Changes& update(bool served, std::int64_t now);
 
   /// m: how far this peer hears.
@@ -78,7 +78,7 @@ class Neighbourhood {
   std::size_t met() const { return met_.size(); }
   /// By ascending id, as of the last update().
   std::span<const NearPeer> met_peers() const { return met_; }
-  /// Peers that are in a cell, as far as is known here.
+  /// Peers in a cell, as far as known here.
   std::size_t people_in(const Cell& cell) const;
   bool listens_to(const Cell& cell) const { return cells_.contains(cell); }
   std::size_t cells() const { return cells_.size(); }
@@ -107,7 +107,7 @@ class Neighbourhood {
   std::map<PeerId, Contact> contacts_;
   std::vector<NearPeer> met_;
   std::set<Cell> cells_;
-  std::optional<pbd::Vec3> cells_about_;  ///< where the user was when they were chosen
+  std::optional<pbd::Vec3> cells_about_;  ///< position of the user when they were chosen
   Changes changes_;
   std::vector<double> distances_;  ///< scratch
 };

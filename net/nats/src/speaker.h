@@ -10,9 +10,9 @@
 
 namespace tandem::nats {
 
-/// Who tells the others what one cell comes to: of those who are in it and may, the lowest id. Each
-/// peer has one of these for each level, for the cell that it is in. Nobody is asked: who has heard
-/// of no lower id for a while begins, and who hears of one stops. Times in ns.
+/// Elects the peer that summarises a cell: the lowest id of those that are in it and may. Each peer
+/// has one of these per level, for its own cell. There are no messages for it: a peer that has
+/// heard no lower id for a while begins, and one that hears a lower id stops. Times in ns.
 class Speaker {
  public:
   static constexpr std::int64_t kPatience = 1'500'000'000;
@@ -30,12 +30,12 @@ class Speaker {
     quiet_since_ = now;
   }
   const Cell& cell() const { return cell_; }
-  /// `peer` has spoken for that cell.
+  /// `peer` has summarised that cell.
   void hear(const Cell& cell, consensus::PeerId peer, std::int64_t now) {
     if (cell == cell_ && peer < self_) quiet_since_ = now;
   }
   bool speaks(std::int64_t now) const { return now - quiet_since_ > patience_; }
-  /// Whether something is to be said now, `period` ns after the last time.
+  /// Whether a summary is due, `period` ns after the last one.
   bool due(std::int64_t period, std::int64_t now) {
     if (!speaks(now) || now < next_) return false;
     next_ = std::max(next_ + period, now);

@@ -11,21 +11,21 @@
 
 namespace tandem::nats {
 
-/// What a session's subjects are called:
+/// Names of a session's subjects:
 ///   PREFIX.SCENE.to.PEER             datagrams for a peer
 ///   PREFIX.SCENE.who.PATH            who is in a cell of level 0
 ///   PREFIX.SCENE.sum.LEVEL.PATH      what a cell of that level comes to
-/// PATH is that of the cell from the top level down, so that a wildcard stands for a larger one.
+/// PATH is the cell's from the top level down, so that a wildcard stands for a larger one.
 class Subjects {
  public:
   Subjects(std::string_view prefix, std::uint64_t scene_hash, const CellOptions& cells);
 
   std::string to(consensus::PeerId peer) const;
   std::string who(const Cell& cell) const;
-  /// Of all cells of level 0 in one of level 1.
+  /// For all cells of level 0 in one of level 1.
   std::string who_within(const Cell& cell) const { return base_ + "who." + path(cell) + ".*"; }
   std::string summary(const Cell& cell) const;
-  /// Of the cells of the level below in this one.
+  /// For the cells of the level below in this one.
   std::string summaries_within(const Cell& cell) const;
 
   /// Tokens from the top level down to this cell.
@@ -37,7 +37,7 @@ class Subjects {
   std::string base_;
 };
 
-/// Of a stream of a session: names of streams have no dots.
+/// For a stream of a session: names of streams have no dots.
 std::string stream_name(std::string base, std::string_view kind);
 
 /// Sixteen hex digits.

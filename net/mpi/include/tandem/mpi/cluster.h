@@ -15,10 +15,10 @@
 
 namespace tandem::mpi {
 
-/// MPI for as long as the object lives; made once in a program, before any Cluster.
+/// MPI for the lifetime of the object; made once in a program, before any Cluster.
 class TANDEM_API Environment {
  public:
-  /// @throws std::runtime_error where MPI is running already or cannot start
+  /// @throws std::runtime_error if MPI is running already or cannot start
   Environment(int& argc, char**& argv);
   ~Environment();
   Environment(const Environment&) = delete;
@@ -26,65 +26,64 @@ class TANDEM_API Environment {
 
   int rank() const;
   int count() const;  ///< of ranks
-  /// Ends all ranks, with a reason on standard error: what one of them cannot do, none goes on
-  /// with.
+  /// Ends all ranks, with a reason on standard error: ranks cannot go on without each other.
   [[noreturn]] static void abort(const std::string& reason);
 };
 
-/// What a message takes, for StepCost::modelled. The defaults are a 25 Gbit/s network whose
-/// software stack is a good one.
+/// Cost of a message, for StepCost::modelled. The defaults are a 25 Gbit/s network with a good
+/// software stack.
 struct TANDEM_API NetworkModel {
   double latency = 5e-6;     ///< s, from send to receive, of an empty message; >= 0
   double bandwidth = 2.5e9;  ///< B/s, > 0
-  double overhead = 5e-7;    ///< s of the processor, for each message at either end; >= 0
+  double overhead = 5e-7;    ///< s of the processor, per message at either end; >= 0
 };
 
 struct TANDEM_API ClusterOptions {
   pbd::Vec3 gravity = pbd::Vec3(0.0, 0.0, -9.81);  ///< m/s^2
-  /// Of the whole world: of ContactOptions::extra_rows each rank has its share.
+  /// For the whole world: ContactOptions::extra_rows is divided among the ranks.
   pbd::SolverOptions solver = {};
   collision::CollisionOptions collision = {};
-  /// Steps from one look at the load to the next, >= 1.
+  /// Steps between examinations of the load, >= 1.
   int balance_every = 8;
-  /// The load is shared out anew where the busiest rank has more than this many times the mean, or
-  /// where a small island lies on several ranks.
+  /// The load is redistributed if the busiest rank has more than this many times the mean, or if a
+  /// small island lies on several ranks.
   double balance_above = 1.05;
-  /// An island is cut where it is more than this share of a rank's mean load, 0 to 1.
+  /// An island above this share of a rank's mean load is cut, 0 to 1.
   double cut_above = 0.25;
-  /// Steps for which neighbours of other ranks' bodies are looked for ahead, >= 1.
+  /// Steps for which neighbours of other ranks' bodies are searched ahead, >= 1.
   int refresh_every = 4;
   NetworkModel network = {};
-  /// Each rank writes what it is told into `record`.RANK; empty: none does.
+  /// Each rank records its inputs in `record`.RANK; empty: none does.
   std::string record = {};
-  /// One of these files: this process is that rank once more, without MPI and by itself. It takes
-  /// the same steps to the same bits, under a debugger or on a processor of its own. The program
-  /// must call what it called then.
+  /// One of these files: this process replays that rank alone, without MPI. It takes the same steps
+  /// to the same bits, under a debugger or on another processor. The program must make the same
+  /// calls.
   std::string replay = {};
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
 };
 
-/// What the last step took on this rank.
+/// Cost of the last step on this rank.
 struct TANDEM_API StepCost {
-  double cpu = 0.0;  ///< s of the calling thread, without what MPI waits or moves
-  /// s by NetworkModel: processor time of this rank and of those that it had to wait for, and the
-  /// network's time.
+  double cpu = 0.0;  ///< s of the calling thread, without waiting and transfers by MPI
+  /// s by NetworkModel: processor time of this rank and of those that it waited for, and network
+  /// time.
   double modelled = 0.0;
   std::size_t messages = 0;  ///< sent
   std::size_t bytes = 0;     ///< sent
 };
 
-/// How the world lies on the ranks.
+/// Distribution of the world over the ranks.
 struct TANDEM_API ClusterState {
   std::size_t own = 0;          ///< bodies of this rank
   std::size_t copies = 0;       ///< of other ranks' bodies
   std::size_t seam_rows = 0;    ///< contacts that this rank solves between its bodies and others'
-  std::size_t cut_islands = 0;  ///< that go on elsewhere
-  double imbalance = 1.0;       ///< load of the busiest rank over the mean, as work is counted
+  std::size_t cut_islands = 0;  ///< that continue on other ranks
+  double imbalance = 1.0;       ///< load of the busiest rank over the mean, by counted work
   std::uint64_t migrated = 0;   ///< bodies that this rank has sent away so far
-  std::uint64_t balanced = 0;   ///< times that the load was shared out
-  std::uint64_t exchanged = 0;  ///< grows where a body becomes this rank's, or is so no longer
+  std::uint64_t balanced = 0;   ///< number of redistributions
+  std::uint64_t exchanged = 0;  ///< increases when this rank gains or loses a body
 };
 
 /// Sums over all bodies of all ranks.
@@ -94,14 +93,14 @@ struct TANDEM_API Totals {
   double kinetic_energy = 0.0;             ///< J
   double mechanical_energy = 0.0;          ///< J, zero height at the origin
   pbd::Vec3 momentum = pbd::Vec3::Zero();  ///< kg m/s
-  std::uint64_t hash = 0;                  ///< of all poses and twists, whoever has them
+  std::uint64_t hash = 0;                  ///< of all poses and twists
 };
 
 /// One world on all ranks of MPI ([friston] Sec. 8.3; [preclik2015]). Each dynamic body has one
-/// owner, who alone integrates it. Bodies that may touch another rank's are copied there, and the
+/// owner, which alone integrates it. Bodies that may touch another rank's are copied there, and the
 /// contacts between two ranks are solved by one of the two. In each sweep velocities go there and
-/// corrections come back, one message each way for each neighbour. Islands that fit a rank stay
-/// whole. See docs/scale.md.
+/// corrections come back, one message each way per neighbour. Islands that fit a rank are not cut.
+/// See docs/scale.md.
 ///
 ///     Environment mpi(argc, argv);
 ///     Cluster cluster;
@@ -111,12 +110,13 @@ struct TANDEM_API Totals {
 ///     while (running) cluster.step(1.0 / 60.0);
 ///
 /// All ranks call start(), step(), agree_on(), totals(), save() and load() together. One rank gives
-/// the bits of the same world without MPI; any number gives the same bits in every run with that
-/// number. Contacts are the only constraints: joints would have to move with their bodies.
+/// the bits of the same world without MPI; any number of ranks gives the same bits in every run
+/// with that number. Contacts are the only constraints: joints would have to move with their
+/// bodies.
 /// @par Thread safety  One thread of each process.
 class TANDEM_API Cluster {
  public:
-  /// @throws std::invalid_argument where an option is not what it must be
+  /// @throws std::invalid_argument if an option is not valid
   explicit Cluster(const ClusterOptions& options = {});
   ~Cluster();
   Cluster(const Cluster&) = delete;
@@ -125,32 +125,32 @@ class TANDEM_API Cluster {
   int rank() const;
   int count() const;
 
-  /// A hull that dynamic bodies may have: all ranks, in the same order, before start() or load().
-  /// @throws std::invalid_argument where it is none, or the cluster has started
+  /// Register a hull for dynamic bodies: all ranks, in the same order, before start() or load().
+  /// @throws std::invalid_argument if it is not a hull, or the cluster has started
   void use(const collision::Hull& hull);
   /// Add a body. Static and kinematic ones: all ranks, in the same order, before start(). Dynamic
-  /// ones: one rank, with a stable id below 2^63 that no other body has; of spheres, boxes,
-  /// capsules, cylinders, cones and hulls of use(). What is added after start() meets bodies of
-  /// other ranks from its second step on.
+  /// ones: one rank, with a unique stable id below 2^63; of spheres, boxes, capsules, cylinders,
+  /// cones and hulls of use(). A body added after start() collides with bodies of other ranks from
+  /// its second step on.
   /// @param colliders  `body` is set here
-  /// @throws std::invalid_argument where that does not hold
+  /// @throws std::invalid_argument if that does not hold
   pbd::BodyId add(const pbd::BodyDef& def, std::span<const collision::ColliderDef> colliders);
-  /// Share out the bodies.
+  /// Distribute the bodies.
   void start();
-  /// Advance by dt (s). Where a rank is gone MPI ends all of them.
+  /// Advance by dt (s). If a rank is gone, MPI ends all of them.
   const pbd::StepReport& step(double dt);
 
-  /// This rank's bodies, copies of others' and what does not move. Pose, twist and forces of own
-  /// bodies may be set between steps; bodies come through add() alone.
+  /// This rank's bodies, copies of others', and static and kinematic bodies. Pose, twist and forces
+  /// of own bodies may be set between steps; bodies are added by add() alone.
   pbd::World& world();
   const pbd::World& world() const;
   const collision::CollisionScene& shapes() const;
   /// Whether this rank owns a body; false for copies.
   bool owns(pbd::BodyId body) const;
 
-  /// The body of a stable id where this rank owns it; else one that is not valid.
+  /// The body of a stable id if this rank owns it; else an invalid one.
   pbd::BodyId own_body(std::uint64_t stable_id) const;
-  /// All ranks together: what rank 0 says, such as the time of the step to come.
+  /// All ranks together: returns rank 0's value, such as the time of the step to come.
   std::int64_t agree_on(std::int64_t said);
 
   const StepCost& cost() const;
@@ -159,13 +159,13 @@ class TANDEM_API Cluster {
   /// Steps since the world began.
   std::uint64_t steps() const;
 
-  /// Write a checkpoint: all ranks into one file, which takes the place of an earlier one when it
-  /// is complete.
-  /// @throws std::runtime_error on all ranks where it cannot be written
+  /// Write a checkpoint: all ranks into one file, which replaces an earlier one when it is
+  /// complete.
+  /// @throws std::runtime_error on all ranks if it cannot be written
   void save(const std::string& path);
-  /// Instead of adding dynamic bodies and start(): go on from a checkpoint, on any number of ranks.
-  /// What does not move has been added before, as it was then.
-  /// @throws std::runtime_error on all ranks where the file is none or is damaged
+  /// Instead of adding dynamic bodies and start(): continue from a checkpoint, on any number of
+  /// ranks. Static and kinematic bodies must have been added before, as they were then.
+  /// @throws std::runtime_error on all ranks if the file is no checkpoint or damaged
   void load(const std::string& path);
 
  private:

@@ -13,10 +13,10 @@
 
 namespace tandem::mpi {
 
-/// Shares bodies of a cluster with people. Each rank is a participant of the session, with a
-/// transport and a peer id of its own, and speaks for the bodies that it owns: to the people the
-/// ranks together are one more participant, whose copies lie in several places. A body that goes to
-/// another rank is shared there from the next step on, and no longer where it was.
+/// Shares bodies of a cluster with other peers. Each rank is a participant of the session, with its
+/// own transport and peer id, and announces the bodies that it owns: to the other peers the ranks
+/// together are one more participant. A body that migrates to another rank is shared there from the
+/// next step on, and no longer where it was.
 ///
 ///     consensus::Peer peer(cluster.world(), transport);
 ///     ClusterPeer shared(cluster, peer);
@@ -29,25 +29,26 @@ namespace tandem::mpi {
 ///       peer.after_step(now + dt_ns);
 ///     }
 ///
-/// A rank's world cannot be copied, so that it guesses where others' copies are instead of
-/// replaying them (consensus::PredictorKind). Hands of people pull at bodies where these are.
+/// A rank's world cannot be copied, so it extrapolates others' states instead of replaying them
+/// (consensus::PredictorKind). Users' springs pull at bodies on their owners.
 /// @par Thread safety  As Cluster.
 class TANDEM_API ClusterPeer {
  public:
-  /// Both outlive it. @param peer  of this rank, on the cluster's world
+  /// Both must outlive it. @param peer  of this rank, on the cluster's world
   ClusterPeer(Cluster& cluster, consensus::Peer& peer) : cluster_(cluster), peer_(peer) {}
 
-  /// Share the dynamic body of a stable id, whichever rank has it.
-  /// @throws std::invalid_argument where either is shared already or `id` names nothing
+  /// Share the dynamic body of a stable id, on whichever rank it is.
+  /// @throws std::invalid_argument if either is shared already or `id` is zero
   void share(std::uint64_t stable_id, const consensus::SharedId& id);
-  /// Before each step: share what has come to this rank, and no longer what has left it.
+  /// Call before each step: shares bodies that have come to this rank, and no longer those that
+  /// have left.
   void follow();
 
  private:
   struct Entry {
     std::uint64_t stable_id = 0;
     consensus::SharedId id;
-    pbd::BodyId here;  ///< of this rank while it owns the body; else not valid
+    pbd::BodyId here;  ///< on this rank while it owns the body; else invalid
   };
 
   Cluster& cluster_;
@@ -55,7 +56,7 @@ class TANDEM_API ClusterPeer {
   std::vector<Entry> entries_;
   std::set<std::uint64_t> stable_ids_;
   std::set<consensus::SharedId> ids_;
-  std::optional<std::uint64_t> seen_;  ///< ClusterState::exchanged when all were looked at
+  std::optional<std::uint64_t> seen_;  ///< ClusterState::exchanged at the last follow()
 };
 
 }  // namespace tandem::mpi

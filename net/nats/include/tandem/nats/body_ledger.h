@@ -28,46 +28,46 @@ struct TANDEM_API LedgerOptions {
   void validate() const;
 };
 
-/// What is written of one body.
+/// Record of one body.
 struct TANDEM_API LedgerRecord {
   consensus::SharedId id = {};
-  Cell cell = {};                ///< of level 0, in which it is looked for
-  consensus::PeerId keeper = 0;  ///< who writes where it goes; 0: nobody, whoever comes may
+  Cell cell = {};                ///< of level 0, in which the body is found
+  consensus::PeerId keeper = 0;  ///< who may write its position; 0 = free for anyone
   pbd::Pose pose = {};           ///< of the centre of mass, world
   pbd::Twist twist = {};         ///< world
-  std::uint64_t revision = 0;    ///< one more with each record of this body; 0: not written yet
+  std::uint64_t revision = 0;    ///< increases with each record of this body; 0 = none written yet
 };
 
 struct TANDEM_API LedgerNews {
   enum class Kind : std::uint8_t {
-    Found,    ///< somebody has written it, or it was there when its cell was watched
-    Written,  ///< this object has
-    Refused,  ///< this object has not, since somebody else did first: this is what he wrote
+    Found,    ///< written by another peer, or present when its cell was watched
+    Written,  ///< written by this object
+    Refused,  ///< not written, as another peer was first: its record
   };
   Kind kind{};
   LedgerRecord record = {};
 };
 
-/// Where each body of a session was last, whoever is there: a last word for each, kept by
-/// JetStream. For bodies that nobody simulates, and for handing them over.
+/// The last position of each body of a session, independent of who is present: one record each,
+/// kept by JetStream. For bodies that nobody simulates, and for handing them over.
 ///
-/// - A body has one record, under its id. A record is written against the one that the writer knew
-///   last: of two who write at once one is Refused, so that a body is never in two places.
-/// - In which cell it is found an index says, which is written before a record and taken back after
-///   the next one. So a body is in no cell at no time; an index that is too old says nothing, since
-///   the record decides.
-/// - A server that fails may lose what it had acknowledged. After each reconnect whoever wrote a
-///   record or watches its cell writes it again, unless there is a later one. Where two have
-///   written without knowing of each other, chance decides, for everybody alike.
-/// - Records are sealed under the session key and bound to their id; the server can hold one back,
-///   or show one from before, and change none.
+/// - A body has one record, under its id. A record is written against the last one that the writer
+/// knew: of two that write at once one is Refused, so that a body is never in two places.
+/// - An index tells in which cell a body is found. It is written before a record and removed after
+/// the next one, so a body is always in some cell; an outdated index is harmless, since the record
+/// decides.
+/// - A server that fails may lose records that it had acknowledged. After each reconnect every
+/// object that wrote a record or watches its cell writes it again, unless there is a later one. If
+/// two were written independently, a random token decides, for all alike.
+/// - Records are sealed under the session key and bound to their id; the server can withhold one or
+/// show an earlier one, but change none.
 ///
-/// Nothing waits for the server: what is asked for is done on a thread of the hub's, as soon as
-/// there is a server, and take() has the news.
+/// No call blocks on the server: requests are done on a thread of the hub's, as soon as there is a
+/// server, and take() returns the results.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API BodyLedger {
  public:
-  static constexpr std::size_t kMaxWaiting = 4096;  ///< things asked for and not done
+  static constexpr std::size_t kMaxWaiting = 4096;  ///< requests not done
 
   /// @throws std::invalid_argument (LedgerOptions::validate)
   explicit BodyLedger(const LedgerOptions& options);
@@ -75,19 +75,19 @@ class TANDEM_API BodyLedger {
   BodyLedger(const BodyLedger&) = delete;
   BodyLedger& operator=(const BodyLedger&) = delete;
 
-  /// Hear of all bodies that are in a cell, and of those that come and go, until unwatch().
+  /// Report all bodies in a cell, and those that come and go, until unwatch().
   void watch(const Cell& cell);
   void unwatch(const Cell& cell);
-  /// Write where a body is. Its cell is that of the pose, or the one of before where it has not
-  /// gone further out of it than CellOptions::slack. False where the last write() of that body is
-  /// not done yet, too much waits, or a number is not finite.
+  /// Write a body's position. Its cell is that of the pose, or the previous one while the pose is
+  /// within CellOptions::slack of it. False if the last write() of that body is not done yet, too
+  /// many requests wait, or a number is not finite.
   bool write(const consensus::SharedId& id, consensus::PeerId keeper, const pbd::Pose& pose,
              const pbd::Twist& twist);
-  /// The last that is known here of a body; null: nothing. Until the next call of take().
+  /// The last known record of a body; null if there is none. Valid until the next take().
   const LedgerRecord* known(const consensus::SharedId& id) const;
-  /// Append what has become of all that, in order.
+  /// Append the results so far, in order.
   void take(std::vector<LedgerNews>& out);
-  /// Asked for and not done.
+  /// Requests not done.
   std::size_t waiting() const;
 
  private:

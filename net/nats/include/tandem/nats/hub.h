@@ -14,29 +14,28 @@
 
 namespace tandem::nats {
 
-/// A UDP socket beside the connection to the server, by which peers that are near speak to each
-/// other without it.
+/// A UDP socket beside the connection to the server, by which near peers communicate directly.
 struct TANDEM_API DirectOptions {
   std::string listen_address = "0.0.0.0";  ///< numeric, of this machine
-  std::uint16_t listen_port = 0;           ///< 0 takes a free one
-  /// Where others reach it, numeric, at most four; empty: at the addresses of this machine. The
-  /// NatsOptions::direct_peers nearest are told, sealed, and nobody else.
+  std::uint16_t listen_port = 0;           ///< 0 = a free one
+  /// Public addresses of the socket, numeric, at most four; empty: the addresses of this machine.
+  /// Only the NatsOptions::direct_peers nearest receive them, sealed.
   std::vector<net::HostPort> reachable_at = {};
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
 };
 
-/// Where the server is, and how this process shows itself there.
+/// Address of the server, and credentials of this process.
 struct TANDEM_API HubOptions {
   std::vector<net::HostPort> servers = {};  ///< of one cluster, at least one; tried in turn
-  std::string user = {};                    ///< empty: no name and no password
+  std::string user = {};                    ///< empty: no user name and no password
   std::string password = {};
-  bool tls = false;  ///< the server shows a certificate that this system trusts
+  bool tls = false;  ///< the server needs a certificate that this system trusts
   std::chrono::milliseconds reconnect_wait{100};  ///< between two attempts, in [10 ms, 1 min]
-  /// None: all goes over the server.
+  /// None: all packets go through the server.
   std::optional<DirectOptions> direct = {};
-  /// A thread of the hub's drives the transports; false: each is driven by NatsTransport::poll().
+  /// Whether a thread of the hub's drives the transports; false: NatsTransport::poll() does.
   bool driven = true;
 
   /// @throws std::invalid_argument naming field, value and rule
@@ -46,26 +45,26 @@ struct TANDEM_API HubOptions {
 struct TANDEM_API HubStatus {
   bool connected = false;
   std::uint16_t direct_port = 0;     ///< bound by HubOptions::direct; 0: none
-  std::uint64_t direct_unknown = 0;  ///< datagrams there that are for nobody here
+  std::uint64_t direct_unknown = 0;  ///< datagrams there that are for no transport here
   std::uint64_t reconnects = 0;
   std::uint64_t messages_in = 0;
   std::uint64_t messages_out = 0;
   std::uint64_t bytes_in = 0;   ///< of payloads
-  std::uint64_t bytes_out = 0;  ///< likewise
-  std::uint64_t lost = 0;       ///< not sent, since there was no server
-  std::uint64_t slow = 0;   ///< times that the server or the client library dropped for slowness
-  std::size_t waiting = 0;  ///< asked by ledgers and events and not done; tried again and again
-  std::string reason = {};  ///< what a server that is there did not do last, and why
+  std::uint64_t bytes_out = 0;  ///< of payloads
+  std::uint64_t lost = 0;       ///< not sent, as there was no server
+  std::uint64_t slow = 0;       ///< times that messages were dropped for slowness
+  std::size_t waiting = 0;      ///< requests of ledgers and events not done; retried
+  std::string reason = {};      ///< last failure of a connected server, and why
 };
 
-/// A connection to a NATS server, for any number of transports of this process. It begins on its
-/// own, and again whenever it has broken, for as long as it takes.
+/// A connection to a NATS server, for any number of transports of this process. It connects by
+/// itself, and reconnects for ever.
 /// @par Thread safety  Any thread.
 class TANDEM_API NatsHub {
  public:
-  /// A server that is not there (yet) is no error. @throws std::invalid_argument
-  /// (HubOptions::validate), std::runtime_error where the client library cannot begin,
-  /// std::system_error where HubOptions::direct cannot be bound
+  /// A server that is unreachable (yet) is no error. @throws std::invalid_argument
+  /// (HubOptions::validate), std::runtime_error if the client library cannot start,
+  /// std::system_error if HubOptions::direct cannot be bound
   explicit NatsHub(const HubOptions& options);
   ~NatsHub();
   NatsHub(const NatsHub&) = delete;

@@ -22,42 +22,42 @@ namespace tandem::nats {
 
 class NatsTransport;
 
-/// Who may tell what a cell comes to.
+/// A peer that may send summaries of cells.
 struct TANDEM_API TrustedSpeaker {
   consensus::PeerId peer = 0;
   net::Key public_key{};  ///< net::organiser_public_key() of NatsOptions::speaker
 };
 
-/// What one peer brings to a session over NATS.
+/// Options of one peer in a session over NATS.
 struct TANDEM_API NatsOptions {
   using Transport = NatsTransport;  ///< what they are options of
 
   /// Connection to the server, which many peers of a process may share; null: one for this peer
-  /// alone, as `server` says.
+  /// alone, by `server`.
   std::shared_ptr<NatsHub> hub = {};
   HubOptions server = {};
   std::string prefix = "tandem";  ///< first word of all subjects: letters, digits, - and _
-  /// Who this peer is, whom it lets in, and how each connection goes: handshake, keys, rights,
-  /// rates and queues are those of UDP. What is about sockets and finding each other is not used:
-  /// listen_port, listen_address, connect, max_peers, kernel_filter and relay.
+  /// Identity, admission and connections: handshake, keys, rights, rates and queues are those of
+  /// UDP. Options of sockets and of finding peers are not used: listen_port, listen_address,
+  /// connect, max_peers, kernel_filter and relay.
   net::UdpOptions member = {};
   CellOptions cells = {};
-  /// So many of the nearest are spoken to by UDP where both ends have HubOptions::direct and that
-  /// works, in [0, 256].
+  /// Number of the nearest peers that are addressed by UDP if both ends have HubOptions::direct and
+  /// it works, in [0, 256].
   std::size_t direct_peers = 16;
-  /// Ed25519 secret with which this peer signs what it says of a cell.
+  /// Ed25519 secret with which this peer signs summaries of cells.
   std::optional<net::Key> speaker = {};
-  /// Whose summaries count; empty: those of all who have the session key, signed or not.
+  /// Accepted signers of summaries; empty: all with the session key, signed or not.
   std::vector<TrustedSpeaker> speakers = {};
-  /// ns, never less than before, from any thread: what goes in place of the steady clock, for
-  /// programs whose time is not the wall's. Session time then begins as this one.
+  /// ns, never decreasing, called from any thread: replaces the steady clock, for programs whose
+  /// time is not real time. Session time then starts at its value.
   std::function<std::int64_t()> steady = {};
 
   /// @throws std::invalid_argument naming field, value and rule
   void validate() const;
 };
 
-/// What somebody has said of a cell that is far away. Untrusted.
+/// A peer's summary of a distant cell. Untrusted.
 struct TANDEM_API CellSummary {
   Cell cell = {};
   consensus::PeerId from = 0;
@@ -65,7 +65,7 @@ struct TANDEM_API CellSummary {
   std::vector<std::byte> content = {};
 };
 
-/// A peer that is connected because it is near, and where it has said that its user is.
+/// A peer that is connected because it is near, and the announced position of its user.
 struct TANDEM_API NearPeer {
   consensus::PeerId peer = 0;
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, world; untrusted
@@ -73,42 +73,41 @@ struct TANDEM_API NearPeer {
 
 struct TANDEM_API NatsStatus {
   HubStatus hub = {};
-  double hears = 0.0;                  ///< m: whom this peer connects to now
-  std::size_t limit = 0;               ///< so many of them at most, see CellOptions::max_near
-  std::size_t met = 0;                 ///< connected to, or about to be
-  std::size_t direct = 0;              ///< of those, spoken to by UDP alone
+  double hears = 0.0;                  ///< m: range of its connections now
+  std::size_t limit = 0;               ///< largest number of them now, see CellOptions::max_near
+  std::size_t met = 0;                 ///< connected, or about to be
+  std::size_t direct = 0;              ///< of those, by UDP alone
   std::size_t contacts = 0;            ///< known to be near
-  std::size_t cells = 0;               ///< listened to
-  std::int64_t lag = -1;               ///< ns, from here through the server and back; -1: not known
+  std::size_t cells = 0;               ///< subscribed
+  std::int64_t lag = -1;               ///< ns, from here through the server and back; -1 = unknown
   std::uint64_t direct_out = 0;        ///< datagrams by UDP
   std::uint64_t direct_bytes_out = 0;  ///< of them
-  std::uint64_t direct_in = 0;         ///< likewise, taken in
+  std::uint64_t direct_in = 0;         ///< received by UDP
   std::uint64_t direct_bytes_in = 0;
-  std::uint64_t dropped = 0;  ///< messages that came faster than they were taken in
+  std::uint64_t dropped = 0;  ///< messages dropped, as they came faster than they were processed
   std::uint64_t refused = 0;  ///< messages to cells that did not open or were not signed
-  std::uint64_t unknown = 0;  ///< packets of no connection, over the server or by UDP
+  std::uint64_t unknown = 0;  ///< packets without a connection, over the server or by UDP
 };
 
-/// Peers that meet through NATS servers: whoever is near is connected, whoever is far is
-/// summarised.
+/// Peers that meet through NATS servers: near ones are connected, distant ones are summarised.
 ///
 /// - Connections are those of net::UdpTransport in all but the socket: datagrams go to a subject of
-///   each peer. Handshake, seals, rights, the reliable channel, rate and session time are the same.
-/// - A peer says to its cell where it is and hears who is in the cells about it; it is connected to
-///   the nearest. With the user's position (set_position) both follow him.
-/// - What is further away comes as summaries of cells, several times a second. The content of one
-///   is a packet of tandem::consensus and comes out of drain() as from the peer that spoke, unless
-///   that one is connected.
-/// - A peer that is too slow hears fewer of the nearest, down to CellOptions::min_near, and each
-///   connection slows down by itself; when it catches up it hears more again.
-/// - The nearest speak by UDP where they can (NatsOptions::direct_peers): all goes that way alone,
-///   by both while it is in doubt, and by the server where it fails. It is the same connection all
-///   the time; what comes by both ways counts once. These peers alone are told the addresses of
-///   HubOptions::direct.
-/// - Where the server goes away nothing is sent but by UDP; what is reliable goes on when it is
-///   back. Peers are kept for UdpOptions::idle_timeout.
+/// each peer. Handshake, seals, rights, the reliable channel, rate and session time are the same.
+/// - A peer announces its position to its cell and subscribes to the cells around it; it connects
+/// to the nearest peers. Both follow the user's position (set_position).
+/// - Distant cells send summaries several times a second. The content of one is a packet of
+/// tandem::consensus and comes out of drain() as from the summarising peer, unless that one is
+/// connected.
+/// - A peer that is too slow connects to fewer of the nearest, down to CellOptions::min_near, and
+/// each connection slows down by itself; when it catches up it connects to more again.
+/// - The nearest communicate by UDP if possible (NatsOptions::direct_peers): by UDP alone, by both
+/// paths while UDP is in doubt, and by the server if it fails. It remains one connection, and a
+/// packet that comes by both counts once. Only these peers receive the addresses of
+/// HubOptions::direct.
+/// - Without the server packets go by UDP only; reliable messages continue when it is back. Peers
+/// are kept for UdpOptions::idle_timeout.
 ///
-/// post, drain and the others take a short lock and never wait for the network.
+/// post, drain and the others take a short lock and never block on the network.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class TANDEM_API NatsTransport final : public consensus::Transport {
  public:
@@ -124,28 +123,28 @@ class TANDEM_API NatsTransport final : public consensus::Transport {
   std::size_t max_packet_bytes(consensus::Delivery delivery) const override;
   void drain(std::vector<consensus::Packet>& out) override;
   void drop(consensus::PeerId peer, const std::string& reason) override;
-  /// Of those that are or were near lately.
+  /// Peers that are or were recently near.
   std::vector<consensus::PeerStatus> peers() const override;
   void list_peers(std::vector<consensus::PeerStatus>& out) const override;
 
-  /// The user is here now, m, world; not finite: he stays where he was.
+  /// Position of the user, m, world; if not finite, the last position stays.
   void set_position(const pbd::Vec3& position);
-  /// Who is near, by ascending id; appended. For consensus::NearbyInterest.
+  /// Near peers by ascending id; appended. For consensus::NearbyInterest.
   void near_peers(std::vector<NearPeer>& out) const;
-  /// Whether this peer speaks for its cell of that level, from 1.
+  /// Whether this peer summarises its cell of that level, from 1.
   bool speaks(int level) const;
-  /// What it says where it does, from now on: a packet of tandem::consensus, at most
-  /// kMaxSummaryBytes; longer ones are refused. @return whether it was taken
+  /// The summary that it sends from now on, while it does: a packet of tandem::consensus, at most
+  /// kMaxSummaryBytes; longer ones are refused. @return whether it was accepted
   bool set_summary(int level, std::span<const std::byte> content);
   static constexpr std::size_t kMaxSummaryBytes = 8 * 1024;
-  /// Append what was said of far cells since the last call, at most the last kMaxSummaries.
+  /// Append the summaries of distant cells since the last call, at most the last kMaxSummaries.
   void take_summaries(std::vector<CellSummary>& out);
   static constexpr std::size_t kMaxSummaries = 256;
 
-  /// Do what is due; for hubs that are not driven (HubOptions::driven).
+  /// Do due work; for hubs that are not driven (HubOptions::driven).
   void poll();
 
-  /// As net::UdpTransport has them.
+  /// As in net::UdpTransport.
   bool change_group(std::span<const std::byte> signed_change);
   std::uint64_t group() const;
   consensus::SessionTime session_now() const;
