@@ -21,7 +21,7 @@ pbd::BodyType type_of(tandem_body_type type) {
   refuse_unlisted("type", type, "tandem_body_type");
 }
 
-/// A call of the world's, on a body.
+/// A call on the world, about a body.
 template <class Call>
 tandem_result on_world(tandem_world* world, tandem_error* error, Call&& call) {
   return guarded(error, [&] { call(required(world, "world").world); });

@@ -55,7 +55,7 @@ inline void matrix_to_c(const pbd::Mat3& from, double (&m)[9]) {
 
 inline constexpr tandem_pose kAtOrigin = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
 
-/// A time of a session. Sums of two of them must fit: half of the range is given away.
+/// A session time within half of the range, so that sums of two do not overflow.
 inline std::int64_t checked_time(const char* field, std::int64_t time, std::int64_t least) {
   if (time < least || time > consensus::kMaxStamp) {
     pbd::detail::refuse(

@@ -15,7 +15,7 @@
 
 namespace tandem::c {
 
-/// How much of a text in UTF-8 fits: no letter is cut.
+/// Bytes of UTF-8 text that fit without splitting a character.
 inline std::size_t whole_letters(std::string_view text, std::size_t room) {
   if (text.size() <= room) return text.size();
   while (room > 0 && (static_cast<unsigned char>(text[room]) & 0xc0) == 0x80) --room;
@@ -32,7 +32,7 @@ inline tandem_result report(tandem_error* error, tandem_result result, std::stri
   return result;
 }
 
-/// Runs `work`; what it throws becomes a result with a text.
+/// Runs `work`; an exception becomes a result with a text.
 template <class Work>
 tandem_result guarded(tandem_error* error, Work&& work) noexcept {
   try {
@@ -49,7 +49,7 @@ tandem_result guarded(tandem_error* error, Work&& work) noexcept {
   }
 }
 
-/// What `make` has made; null where it throws, with the reason in `error`.
+/// Result of `make`; null if it throws, with the reason in `error`.
 template <class Make>
 auto made_by(tandem_error* error, Make&& make) noexcept -> decltype(make()) {
   decltype(make()) made = nullptr;
@@ -57,14 +57,14 @@ auto made_by(tandem_error* error, Make&& make) noexcept -> decltype(make()) {
   return made;
 }
 
-/// Throws std::invalid_argument where an argument that must be there is not.
+/// Throws std::invalid_argument if a required argument is null.
 template <class T>
 T& required(T* pointer, const char* name) {
   if (pointer == nullptr) pbd::detail::refuse(name, "given", "null");
   return *pointer;
 }
 
-/// Throws std::invalid_argument: `type` lists no such value.
+/// Throws std::invalid_argument: the value is not listed in `type`.
 [[noreturn]] inline void refuse_unlisted(const char* field, std::int32_t value, const char* type) {
   pbd::detail::refuse(field, std::string("one of ") + type, value);
 }

@@ -67,7 +67,7 @@ pbd::SixDofJointDef joint_of(const pbd::World& world, const tandem_joint_def& de
   refuse_unlisted("kind", def.kind, "tandem_joint_kind");
 }
 
-/// The coordinate that a hinge (3) or a slider (0) leaves; -1 of others.
+/// The free coordinate of a hinge (3) or a slider (0); -1 for others.
 int free_axis(const pbd::SixDofJointDef& def) {
   int found = -1;
   for (int i = 0; i < 6; ++i) {

@@ -18,7 +18,7 @@ inline tandem_filter to_c(const collision::Filter& filter) {
   return {.category = filter.category, .mask = filter.mask, .group = filter.group};
 }
 
-/// Removes what is still there, the last one first, so that the next ones get their slots in order.
+/// Removes existing bodies, the last one first, so that the next ones get their slots in order.
 inline void remove_all(tandem_world& world, std::span<const pbd::BodyId> bodies) noexcept {
   for (std::size_t i = bodies.size(); i-- > 0;) {
     if (world.world.contains(bodies[i])) {
@@ -27,7 +27,7 @@ inline void remove_all(tandem_world& world, std::span<const pbd::BodyId> bodies)
   }
 }
 
-/// @throws std::invalid_argument where one of its bodies was removed
+/// @throws std::invalid_argument if one of its bodies was removed
 inline void require_all(const tandem_world& world, std::span<const pbd::BodyId> bodies,
                         const char* name) {
   for (const pbd::BodyId body : bodies) {

@@ -57,7 +57,7 @@ tandem_query_hit found_of(const collision::ClosestHit& hit) {
 }
 tandem_collider found_of(const collision::ColliderId& id) { return to_c(id); }
 
-/// Writes what fits.
+/// Writes as many as fit.
 template <class Found, class Out>
 void write(const std::vector<Found>& found, Out* out, size_t capacity, size_t* count) {
   if (capacity > 0) required(out, "hits");
@@ -146,7 +146,7 @@ tandem_result tandem_query_closest(const tandem_query* query, const tandem_shape
     const collision::SceneQuery& q = required(query, "query").query;
     const pbd::Pose at = from_c(required(pose, "pose"));
     std::vector<collision::ClosestHit> found;
-    // The smallest ball that is one stands for a point where all are asked for.
+    // A query for all hits needs a shape: the smallest valid sphere stands for a point.
     const collision::Shape asked =
         shape != nullptr ? shape_of(*shape) : collision::Shape(collision::Sphere{1e-9});
     if (capacity > 1) {

@@ -13,7 +13,7 @@ using namespace tandem::c;
 
 namespace {
 
-/// A count that was once negative is named before it is read for.
+/// Refuses a negative count, converted to unsigned, before anything is read.
 size_t checked_count(size_t count, const char* field) {
   constexpr size_t kMax = size_t{1} << 28;
   if (count >= kMax) {
@@ -45,7 +45,7 @@ collision::Mesh mesh_of(const tandem_shape& shape) {
 
 collision::Field heights_of(const tandem_shape& shape) {
   const double* const from = &required(shape.heights, "shape.heights");
-  // Counts that are out of range are named by make(); nothing is read for them.
+  // make() refuses counts out of range; nothing is read for them.
   constexpr uint32_t kMax = 16384;
   const bool readable = shape.columns <= kMax && shape.rows <= kMax;
   const size_t count = readable ? size_t{shape.columns} * shape.rows : 0;

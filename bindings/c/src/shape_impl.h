@@ -7,7 +7,7 @@
 
 namespace tandem::c {
 
-/// @throws std::invalid_argument naming what is wrong with it
+/// @throws std::invalid_argument naming the fault
 collision::Shape shape_of(const tandem_shape& shape);
 
 }  // namespace tandem::c

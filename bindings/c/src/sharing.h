@@ -13,7 +13,7 @@ namespace tandem::c {
 inline consensus::SharedId from_c(tandem_shared_id id) { return {id.high, id.low}; }
 inline tandem_shared_id to_c(const consensus::SharedId& id) { return {id.high, id.low}; }
 
-/// 0 is nobody.
+/// 0 = none.
 inline std::optional<consensus::PeerId> owner_of(std::uint64_t owner) {
   return owner != 0 ? std::optional(owner) : std::nullopt;
 }
@@ -67,7 +67,7 @@ inline tandem_peer_stats to_c(const consensus::PeerStats& stats) {
           .bodies_placed = stats.bodies_placed};
 }
 
-/// Valid as long as the event, which stays where it is.
+/// Valid as long as the event, which must not move.
 inline tandem_event to_c(const consensus::Event& event) {
   return {.from = event.from,
           .stamp_ns = event.stamp,

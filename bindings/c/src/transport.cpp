@@ -20,7 +20,7 @@ using consensus::Packet;
 using consensus::PeerId;
 using consensus::PeerStatus;
 
-/// Bytes: the least that all single records fit into, with room to spare.
+/// Bytes: enough for every single record, with room to spare.
 constexpr std::size_t kMinMaxPacket = 512;
 
 /// The caller's functions as a transport.
@@ -49,8 +49,8 @@ class Callbacks final : public consensus::Transport {
   }
 
  private:
-  /// Called by the caller's code, which must not meet an exception: what there is no memory for is
-  /// lost, as on a wire.
+  /// Called by the caller's code, which must not see an exception: without memory the packet is
+  /// lost.
   static void receive(void* inbox, std::uint64_t from, const void* bytes, std::size_t size) {
     if (inbox == nullptr || (bytes == nullptr && size > 0) || size > consensus::kMaxPacketBytes) {
       return;
@@ -100,7 +100,7 @@ tandem_transport* tandem_transport_create(const tandem_transport_def* def, tande
 }
 
 void tandem_transport_destroy(tandem_transport* transport) {
-  // A network's own goes with it.
+  // A network's transport is destroyed with it.
   if (transport != nullptr && transport->owned != nullptr) delete transport;
 }
 

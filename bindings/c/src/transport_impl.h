@@ -11,6 +11,6 @@
 
 struct tandem_transport {
   tandem::consensus::Transport* transport = nullptr;
-  std::unique_ptr<tandem::consensus::Transport> owned;  ///< null where a network has it
-  std::function<std::int64_t()> clock;  ///< session time, ns; empty where the transport has none
+  std::unique_ptr<tandem::consensus::Transport> owned;  ///< null if a network owns it
+  std::function<std::int64_t()> clock;  ///< session time, ns; empty if the transport has none
 };

@@ -64,8 +64,8 @@ uint64_t tandem_world_hash(const tandem_world* world) {
 
 namespace {
 
-/// With the events behind it, and then where they begin, so that what began and ended after it is
-/// told again after restore().
+/// The snapshot, followed by the events and their offset, so that contacts that began and ended
+/// after it are reported again after restore().
 std::vector<std::byte> snapshot_of(const tandem_world& w) {
   std::vector<std::byte> bytes = w.world.snapshot();
   if (!w.events) return bytes;

@@ -11,15 +11,15 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/scene.h"
 
-/// All that a world of the C interface is made of. Its functions are inline, since sessions and
-/// scene files are in other libraries.
+/// All parts of a world of the C interface. Its functions are inline, since sessions and scene
+/// files are in other libraries.
 struct tandem_world {
-  /// @param collects  whether contact events are wanted
+  /// @param collects  whether contact events are collected
   tandem_world(std::shared_ptr<tandem::Scene> of, bool collects)
       : scene(std::move(of)),
         world(scene->world()),
         shapes(scene->shapes()),
-        // At once: a snapshot fits worlds that have it alike.
+        // Created at once: a snapshot only fits worlds with the same blocks.
         joints(scene->joints()) {
     if (collects) events.emplace();
   }
@@ -30,11 +30,11 @@ struct tandem_world {
     return done;
   }
 
-  std::shared_ptr<tandem::Scene> scene;  ///< perhaps part of what came from a file
+  std::shared_ptr<tandem::Scene> scene;  ///< may be part of a loaded file
   tandem::pbd::World& world;
   tandem::collision::CollisionScene& shapes;
   tandem::pbd::JointBlock& joints;
-  /// Where they are wanted. Not the scene's: these can be set back.
+  /// If collected. Not the scene's, as these can be restored.
   std::optional<tandem::collision::ContactEvents> events;
 };
 

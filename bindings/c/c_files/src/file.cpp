@@ -20,7 +20,7 @@ std::filesystem::path path_of(const char* text, const char* name) {
   return {reinterpret_cast<const char8_t*>(&required(text, name))};
 }
 
-/// Names the file alone where its folders would leave the fault no room in a tandem_error.
+/// Only names the file if its folders would leave no room for the fault in a tandem_error.
 SceneFile loaded(const std::filesystem::path& path, const SceneOptions& options) {
   try {
     return load_scene(path, options);
@@ -53,7 +53,7 @@ tandem_world* world_of(SceneFile read, const tandem_world_def& def, tandem_scene
 
 std::string_view text_of(const char* text, size_t size) { return {&required(text, "text"), size}; }
 
-/// What `find` finds by a name.
+/// Result of `find` for a name.
 template <class Find>
 auto named(const char* name, Find&& find) {
   const auto found = find(&required(name, "name"));

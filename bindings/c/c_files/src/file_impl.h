@@ -8,5 +8,5 @@
 #include "tandem/scene_files.h"
 
 struct tandem_scene_file {
-  std::shared_ptr<tandem::SceneFile> file;  ///< whose scene is the world's
+  std::shared_ptr<tandem::SceneFile> file;  ///< owns the world's scene
 };

@@ -15,13 +15,13 @@ using namespace tandem::c;
 
 namespace {
 
-/// A call of the session's.
+/// A call on the session.
 template <class Call>
 tandem_result on_session(tandem_session* session, tandem_error* error, Call&& call) {
   return guarded(error, [&] { call(*required(session, "session").session); });
 }
 
-/// True for as long as it lives.
+/// Sets a flag for its lifetime.
 class Advancing {
  public:
   explicit Advancing(tandem_session& session) : session_(session) {
@@ -99,7 +99,7 @@ tandem_result tandem_session_advance(tandem_session* session, int64_t now_ns,
     s.joined.clear();
     s.left.clear();
     s.events.clear();
-    // By reference: copied, it would be an allocation in each call.
+    // Captured by reference: copying would allocate in each call.
     const auto each_step = [&](SessionTime time) {
       s.hear();
       if (before_step != nullptr) before_step(user, time);

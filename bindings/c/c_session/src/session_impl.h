@@ -19,7 +19,7 @@
 
 namespace tandem::c {
 
-/// A world as sessions step it.
+/// Adapts a world to Simulation.
 class Stepped {
  public:
   explicit Stepped(tandem_world& world) : world_(world) {}
@@ -36,7 +36,7 @@ inline net::Key key_of(const tandem_key& key) {
   return result;
 }
 
-/// What one process brings to a session, of TCP and UDP alike.
+/// Options common to TCP and UDP.
 struct Wire {
   std::vector<net::HostPort> connect;
   std::optional<net::Key> session_key;
@@ -46,12 +46,12 @@ struct Wire {
   std::vector<std::byte> certificate;
 };
 
-/// @param connect  null, or "HOST:PORT" with spaces between
+/// @param connect  null, or "HOST:PORT" separated by spaces
 /// @throws std::invalid_argument naming field, value and rule
 Wire wire_of(const char* connect, const tandem_credentials& credentials);
-/// @throws likewise
+/// @throws as above
 std::uint16_t port_of(const char* field, std::int32_t port);
-/// The session keeps `def`'s functions. @throws likewise
+/// The session keeps `def`'s functions. @throws as above
 SessionOptions options_of(const tandem_session_def& def);
 
 }  // namespace tandem::c
@@ -59,24 +59,24 @@ SessionOptions options_of(const tandem_session_def& def);
 struct tandem_session {
   explicit tandem_session(tandem_world& world) : stepped(world) {}
 
-  /// Collect who comes and goes.
+  /// Collect peers that join or leave.
   void listen();
-  /// What has come before the step that begins at `now`.
+  /// Collect events received before the step that begins at `now`.
   void hear();
 
   tandem::c::Stepped stepped;
   // Of the last advance:
   std::vector<tandem::PeerId> joined;
   std::vector<tandem::PeerId> left;
-  std::deque<tandem::consensus::Event> events;  ///< stay where they are while others come
+  std::deque<tandem::consensus::Event> events;  ///< a deque: addresses stay valid
   bool advancing = false;
-  std::function<std::uint16_t()> port;       ///< empty where there is no socket of its own
-  std::unique_ptr<tandem::Session> session;  ///< gone before the others
+  std::function<std::uint16_t()> port;       ///< empty without a socket of its own
+  std::unique_ptr<tandem::Session> session;  ///< destroyed first
 };
 
 namespace tandem::c {
 
-/// Over `transport`: options of one, or one itself.
+/// With `transport`: options of one, or one itself.
 template <class Transport>
 std::unique_ptr<tandem_session> opened(tandem_world& world, Transport& transport,
                                        const SessionOptions& options) {
@@ -86,7 +86,7 @@ std::unique_ptr<tandem_session> opened(tandem_world& world, Transport& transport
   return made;
 }
 
-/// Of a session whose transport is a `Socket`.
+/// For a session whose transport is a `Socket`.
 template <class Socket>
 std::function<std::uint16_t()> port_reader(Session& session) {
   return [&session] { return dynamic_cast<Socket&>(session.transport()).local_port(); };

@@ -5,27 +5,28 @@
 
 /**
  * @file
- * Tandem for languages that call C: worlds, bodies, shapes, joints, stepping, sharing over
- * transports of the caller's, whole sessions over sockets, and scenes from files.
+ * Tandem for languages that call C: worlds, bodies, shapes, joints, stepping, sharing over the
+ * caller's transports, whole sessions over sockets, and scenes from files.
  *
- * What begins with TANDEM_C_API is in the library tandem_c, with TANDEM_C_SESSION_API in
- * tandem_c_session, with TANDEM_C_FILES_API in tandem_c_files: a program links those that it calls.
+ * TANDEM_C_API marks functions of the library tandem_c, TANDEM_C_SESSION_API those of
+ * tandem_c_session, and TANDEM_C_FILES_API those of tandem_c_files: a program links those that it
+ * calls.
  *
  * Units are m, kg, s, N, rad; quaternions are x, y, z, w, unit, body to world. Times of a session
  * are nanoseconds.
  *
- * Defs are filled by their `_init` function and then changed, so that what a program does not know
- * has its default; what has no such function is filled with zeros first. Enums and truth values are
- * of 32 bits. Handles are values that carry a generation: one of something that was removed is
- * an error and never something else.
+ * Fill a def by its `_init` function and then change it, so that fields unknown to the program have
+ * their defaults; fill structs without such a function with zeros first. Enums and truth values
+ * have 32 bits. Handles are values with a generation: using one of a removed object is an error,
+ * and never refers to another object.
  *
- * Errors: whatever can fail returns a tandem_result and writes field, value and rule to `error`,
- * which may be null. What failed has changed nothing. No function lets a C++ exception out. What
- * returns no result says 0 of a null object and of a handle that is stale.
+ * Errors: a function that can fail returns a tandem_result and writes field, value and rule to
+ * `error`, which may be null. A failed call has changed nothing. No C++ exception leaves a
+ * function. Functions without a result return 0 for a null object or a stale handle.
  *
  * Threads: distinct objects may be used at the same time, one object by one thread at a time. A
- * world counts as one with its peer or session, its characters, cars and the like, and the file
- * that it is from; a network with all its transports and their peers as well.
+ * world counts as one object with its peer or session, its characters, cars and the like, and the
+ * file that it came from; so does a network with all its transports and their peers.
  */
 
 #include <stddef.h>
@@ -63,7 +64,7 @@
 #define TANDEM_C_FILES_API TANDEM_C_IMPORT
 #endif
 
-/* What a caller gives need not be one of the listed: it is looked at, in C++ as well. */
+/* Callers may pass unlisted values: they are checked, in C++ too. */
 #ifdef __cplusplus
 #define TANDEM_C_ENUM : int32_t
 #else
@@ -74,23 +75,23 @@
 extern "C" {
 #endif
 
-/** Changes with every change of this header that an older program would not survive. */
+/** Changes with every incompatible change of this header. */
 #define TANDEM_C_VERSION 2
-/** TANDEM_C_VERSION of the library that runs. */
+/** TANDEM_C_VERSION of the library in use. */
 TANDEM_C_API uint32_t tandem_c_version(void);
 
 typedef enum tandem_result TANDEM_C_ENUM {
   TANDEM_OK = 0,
   TANDEM_INVALID_ARGUMENT = 1, /**< see the error's text */
   TANDEM_OUT_OF_MEMORY = 2,
-  TANDEM_TOO_SMALL = 3, /**< the caller's buffer; what it must hold was written */
+  TANDEM_TOO_SMALL = 3, /**< the caller's buffer; the required size was written */
   TANDEM_FAILED = 4     /**< anything else */
 } tandem_result;
 
-/** What went wrong, for a person. */
+/** An error, for people. */
 typedef struct tandem_error {
   tandem_result result;
-  char text[256]; /**< ends with 0; cut where it is longer */
+  char text[256]; /**< ends with 0; truncated if longer */
 } tandem_error;
 
 typedef struct tandem_vec3 {
@@ -123,7 +124,7 @@ typedef struct tandem_joint {
   uint32_t index, generation;
 } tandem_joint;
 
-/** Stands for the world where a joint or an event names a body. */
+/** The world, where a joint or an event names a body. */
 #ifdef __cplusplus
 #define TANDEM_NO_BODY (tandem_body{0xffffffffu, 0})
 #else
@@ -137,37 +138,37 @@ typedef struct tandem_world tandem_world;
 
 typedef struct tandem_world_def {
   tandem_vec3 gravity; /**< m/s^2; (0, 0, -9.81) */
-  int32_t substeps;    /**< of a step, 1 to 1000; 4 */
+  int32_t substeps;    /**< per step, 1 to 1000; 4 */
   int32_t threads;     /**< 1 to 64; 1. Any number gives the same bits. */
   double sleep_after;  /**< s; 0.5; 0 = never */
   int32_t events;      /**< not 0: contact events are collected; 0 */
 } tandem_world_def;
 
 typedef struct tandem_step_report {
-  int32_t finite; /**< 0: a body became NaN or infinite and was put back */
+  int32_t finite; /**< 0: a body became NaN or infinite and was reset */
   int32_t bodies;
   int32_t awake;
-  int32_t targets; /**< bodies that remote states pulled */
+  int32_t targets; /**< bodies pulled by remote states */
 } tandem_step_report;
 
 TANDEM_C_API void tandem_world_def_init(tandem_world_def* def);
-/** Null where it failed. */
+/** Null on failure. */
 TANDEM_C_API tandem_world* tandem_world_create(const tandem_world_def* def, tandem_error* error);
-/** After its peer or session, queries, characters and whatever else is on it. Null: nothing
- * happens. */
+/** Destroy it after its peer or session, queries, characters and the like. Null: no effect. */
 TANDEM_C_API void tandem_world_destroy(tandem_world* world);
 /** @param dt  s, 1e-5 to 1e6     @param report  may be null */
 TANDEM_C_API tandem_result tandem_world_step(tandem_world* world, double dt,
                                              tandem_step_report* report, tandem_error* error);
 TANDEM_C_API tandem_result tandem_world_set_gravity(tandem_world* world, tandem_vec3 gravity,
                                                     tandem_error* error);
-/** Equal bits, equal hash. */
+/** Equal for bitwise equal worlds. */
 TANDEM_C_API uint64_t tandem_world_hash(const tandem_world* world);
-/** Everything that the next step and its events depend on; not the footing and jump of a character.
+/** Everything that the next step and its events depend on, except the footing and jump of a
+ * character.
  * @param size  in: bytes of `buffer`, out: needed */
 TANDEM_C_API tandem_result tandem_world_snapshot(const tandem_world* world, void* buffer,
                                                  size_t* size, tandem_error* error);
-/** Of a world that was built the same way. The bytes may be anybody's. */
+/** Restores a snapshot of a world that was built the same way. The input is untrusted. */
 TANDEM_C_API tandem_result tandem_world_restore(tandem_world* world, const void* bytes, size_t size,
                                                 tandem_error* error);
 
@@ -175,7 +176,7 @@ TANDEM_C_API tandem_result tandem_world_restore(tandem_world* world, const void*
 
 typedef enum tandem_body_type TANDEM_C_ENUM {
   TANDEM_STATIC = 0,
-  TANDEM_KINEMATIC = 1, /**< moves with the twist that it was given */
+  TANDEM_KINEMATIC = 1, /**< moves with the given twist */
   TANDEM_DYNAMIC = 2
 } tandem_body_type;
 
@@ -187,8 +188,8 @@ typedef struct tandem_body_def {
   double inertia[9];    /**< kg m^2, row by row, body frame, about the centre of mass; 0.4 I */
   double gravity_scale; /**< 1 */
   double linear_damping, angular_damping; /**< 1/s */
-  int32_t bullet;    /**< not 0: never gets through anything, small and fast as it may be */
-  int32_t can_sleep; /**< 1 */
+  int32_t bullet;                         /**< not 0: continuous collision detection; 0 */
+  int32_t can_sleep;                      /**< 1 */
 } tandem_body_def;
 
 typedef struct tandem_state {
@@ -199,13 +200,13 @@ typedef struct tandem_state {
 TANDEM_C_API void tandem_body_def_init(tandem_body_def* def);
 TANDEM_C_API tandem_result tandem_body_add(tandem_world* world, const tandem_body_def* def,
                                            tandem_body* body, tandem_error* error);
-/** With its colliders and joints. */
+/** Also removes its colliders and joints. */
 TANDEM_C_API tandem_result tandem_body_remove(tandem_world* world, tandem_body body,
                                               tandem_error* error);
 TANDEM_C_API int32_t tandem_body_exists(const tandem_world* world, tandem_body body);
 TANDEM_C_API tandem_result tandem_body_state(const tandem_world* world, tandem_body body,
                                              tandem_state* state, tandem_error* error);
-/** Of many at once. */
+/** States of many bodies at once. */
 TANDEM_C_API tandem_result tandem_body_states(const tandem_world* world, const tandem_body* bodies,
                                               size_t count, tandem_state* states,
                                               tandem_error* error);
@@ -214,16 +215,16 @@ TANDEM_C_API tandem_result tandem_body_set_pose(tandem_world* world, tandem_body
                                                 const tandem_pose* pose, tandem_error* error);
 TANDEM_C_API tandem_result tandem_body_set_twist(tandem_world* world, tandem_body body,
                                                  const tandem_twist* twist, tandem_error* error);
-/** A kinematic body is there after the next step. */
+/** The kinematic body arrives there in the next step. */
 TANDEM_C_API tandem_result tandem_body_move_to(tandem_world* world, tandem_body body,
                                                const tandem_pose* pose, tandem_error* error);
-/** During the next step. @param point  m, world; null: the centre of mass */
+/** Acts during the next step. @param point  m, world; null: the centre of mass */
 TANDEM_C_API tandem_result tandem_body_apply_force(tandem_world* world, tandem_body body,
                                                    tandem_vec3 force, const tandem_vec3* point,
                                                    tandem_error* error);
 TANDEM_C_API tandem_result tandem_body_apply_torque(tandem_world* world, tandem_body body,
                                                     tandem_vec3 torque, tandem_error* error);
-/** At once, N s. @param point  m, world; null: the centre of mass */
+/** Acts at once, N s. @param point  m, world; null: the centre of mass */
 TANDEM_C_API tandem_result tandem_body_apply_impulse(tandem_world* world, tandem_body body,
                                                      tandem_vec3 impulse, const tandem_vec3* point,
                                                      tandem_error* error);
@@ -237,12 +238,12 @@ typedef enum tandem_shape_kind TANDEM_C_ENUM {
   TANDEM_CYLINDER = 3,   /**< radius, half_height; along z */
   TANDEM_CONE = 4,       /**< radius, half_height; apex up z */
   TANDEM_HALF_SPACE = 5, /**< normal, offset: solid where normal . x <= offset */
-  TANDEM_HULL = 6,       /**< points: the convex hull of them */
+  TANDEM_HULL = 6,       /**< points: their convex hull */
   TANDEM_MESH = 7,       /**< points, triangles; for bodies that do not move */
   TANDEM_HEIGHTS = 8     /**< columns, rows, spacing, heights; for bodies that do not move */
 } tandem_shape_kind;
 
-/** Arrays are read during the call that is given the shape, and not kept. */
+/** Arrays are read during the call with the shape, and not kept. */
 typedef struct tandem_shape {
   tandem_shape_kind kind;
   double radius, half_height;
@@ -261,7 +262,7 @@ typedef struct tandem_shape {
 typedef struct tandem_mass {
   double mass;                /**< kg */
   tandem_vec3 centre_of_mass; /**< m, frame of the shape */
-  double inertia[9];          /**< kg m^2, about it, row by row */
+  double inertia[9];          /**< kg m^2, about the centre of mass, row by row */
 } tandem_mass;
 
 typedef struct tandem_collider_def {
@@ -270,8 +271,8 @@ typedef struct tandem_collider_def {
   tandem_pose local;       /**< of the shape in the body's frame */
   double friction;         /**< 0.5 */
   double restitution;      /**< 0 to 1; 0 */
-  uint32_t category, mask; /**< two meet where each one's category is in the other's mask; 1, all */
-  int32_t group;           /**< equal and > 0: always meet, equal and < 0: never; 0 */
+  uint32_t category, mask; /**< two collide if each one's category is in the other's mask; 1, all */
+  int32_t group;           /**< equal and > 0: always collide, equal and < 0: never; 0 */
   int32_t sensor;          /**< not 0: makes no contacts, only events; 0 */
 } tandem_collider_def;
 
@@ -300,14 +301,14 @@ typedef enum tandem_motor_mode TANDEM_C_ENUM {
   TANDEM_MOTOR_POSITION = 2
 } tandem_motor_mode;
 
-/** Frames are laid as the bodies stand; all coordinates are 0 there. */
+/** Frames are attached at the bodies' present poses; all coordinates are 0 there. */
 typedef struct tandem_joint_def {
   tandem_joint_kind kind;
   tandem_body a, b;   /**< a may be TANDEM_NO_BODY, the world */
   tandem_vec3 anchor; /**< m, world */
   tandem_vec3 axis;   /**< world; hinges and sliders; (1, 0, 0) */
-  double compliance;  /**< m/N of what it locks, 0 = rigid; 0 */
-  /* Of hinges (rad, N m) and sliders (m, N): */
+  double compliance;  /**< m/N, of the locked coordinates, 0 = rigid; 0 */
+  /* Hinges (rad, N m) and sliders (m, N): */
   int32_t limited; /**< not 0: between lower and upper; 0 */
   double lower, upper;
   tandem_motor_mode motor;              /**< TANDEM_MOTOR_OFF */
@@ -320,13 +321,13 @@ TANDEM_C_API tandem_result tandem_joint_add(tandem_world* world, const tandem_jo
                                             tandem_joint* joint, tandem_error* error);
 TANDEM_C_API tandem_result tandem_joint_remove(tandem_world* world, tandem_joint joint,
                                                tandem_error* error);
-/** Of a hinge or a slider. */
+/** For a hinge or a slider. */
 TANDEM_C_API tandem_result tandem_joint_set_motor(tandem_world* world, tandem_joint joint,
                                                   tandem_motor_mode mode, double target,
                                                   double max_force, tandem_error* error);
-/** A motor as soft as a spring and a damper: stiffness (target - position) - damping speed
- * (TANDEM_MOTOR_POSITION), or damping (target - speed) (TANDEM_MOTOR_VELOCITY, whose stiffness is
- * 0), at most max_force. N/m and N s/m, or N m/rad and N m s/rad. */
+/** A motor with a spring and a damper: force stiffness (target - position) - damping speed
+ * (TANDEM_MOTOR_POSITION), or damping (target - speed) (TANDEM_MOTOR_VELOCITY, with stiffness 0),
+ * at most max_force. N/m and N s/m, or N m/rad and N m s/rad. */
 TANDEM_C_API tandem_result tandem_joint_set_servo(tandem_world* world, tandem_joint joint,
                                                   tandem_motor_mode mode, double target,
                                                   double stiffness, double damping,
@@ -338,12 +339,11 @@ TANDEM_C_API tandem_result tandem_joint_position(const tandem_world* world, tand
 
 /* ---- characters, cars, ropes, cloth, ragdolls ---- */
 
-/* Each is made of bodies of a world, which go with it as it is destroyed, and before its world.
- * Where the program removes one of its bodies by itself, nothing but that remains to be done with
- * it. A null one: nothing happens. Lists of bodies copy at most `capacity` and say how many there
- * are. */
+/* Each is made of bodies of a world. Destroying it removes them; destroy it before its world. If
+ * the program removes one of its bodies itself, it can only be destroyed. Null: no effect. Lists of
+ * bodies copy at most `capacity` and return the total number. */
 
-/** As of a collider. */
+/** As for a collider. */
 typedef struct tandem_filter {
   uint32_t category, mask; /**< 1, all */
   int32_t group;           /**< 0: cars, ropes, cloth and ragdolls get one of their own */
@@ -354,28 +354,28 @@ typedef struct tandem_character tandem_character;
 
 typedef struct tandem_character_def {
   double radius, half_height; /**< m, of the capsule, without caps; 0.3, 0.6 */
-  tandem_vec3 position;       /**< m, world, of its middle; (0, 0, 1) */
+  tandem_vec3 position;       /**< m, world, of its centre; (0, 0, 1) */
   double mass;                /**< kg; 70 */
-  double max_push;            /**< N, against what stands in its way; 400 */
-  double max_slope;           /**< rad, 0 to 1.5: steeper ground is slid down; 0.87 */
-  double max_step;            /**< m, up and down without leaving the ground; 0.35 */
-  double air_acceleration;    /**< m/s^2, that the user has in the air; 10 */
-  double padding;             /**< m, below the radius: gap that it keeps to everything; 0.02 */
+  double max_push;            /**< N, against obstacles; 400 */
+  double max_slope;           /**< rad, 0 to 1.5: it slides down steeper ground; 0.87 */
+  double max_step;            /**< m, up and down while staying on the ground; 0.35 */
+  double air_acceleration;    /**< m/s^2, of the user's control in the air; 10 */
+  double padding;             /**< m, below the radius: gap to everything; 0.02 */
   tandem_filter filter;
 } tandem_character_def;
 
 typedef enum tandem_footing TANDEM_C_ENUM {
   TANDEM_ON_GROUND = 0,
-  TANDEM_ON_STEEP = 1, /**< slides down something steeper than max_slope */
+  TANDEM_ON_STEEP = 1, /**< slides down a slope above max_slope */
   TANDEM_IN_AIR = 2
 } tandem_footing;
 
 typedef struct tandem_character_state {
   tandem_body body;
   tandem_footing footing;    /**< after the last tandem_character_walk */
-  tandem_body ground;        /**< what it stands on or slides down; in the air TANDEM_NO_BODY */
+  tandem_body ground;        /**< the body below it; in the air TANDEM_NO_BODY */
   tandem_vec3 ground_normal; /**< unit, world; up in the air */
-  tandem_vec3 velocity;      /**< m/s, world, what carries it included */
+  tandem_vec3 velocity;      /**< m/s, world, including that of the ground */
 } tandem_character_state;
 
 TANDEM_C_API void tandem_character_def_init(tandem_character_def* def);
@@ -383,39 +383,38 @@ TANDEM_C_API tandem_character* tandem_character_create(tandem_world* world,
                                                        const tandem_character_def* def,
                                                        tandem_error* error);
 TANDEM_C_API void tandem_character_destroy(tandem_character* character);
-/** Before each step. @param velocity  m/s, wanted, relative to the ground     @param dt  s, of it
- */
+/** Call before each step. @param velocity  m/s, wanted, relative to the ground     @param dt  s, of
+ * that step */
 TANDEM_C_API tandem_result tandem_character_walk(tandem_character* character, tandem_vec3 velocity,
                                                  double dt, tandem_error* error);
-/** The next walk leaves the ground, where it stands on some. @param speed  m/s, >= 0 */
+/** The next walk leaves the ground, if it stands on some. @param speed  m/s, >= 0 */
 TANDEM_C_API tandem_result tandem_character_jump(tandem_character* character, double speed,
                                                  tandem_error* error);
 TANDEM_C_API tandem_result tandem_character_get_state(const tandem_character* character,
                                                       tandem_character_state* state,
                                                       tandem_error* error);
 
-/** A chassis on four wheels with springs, all of them driven and braked, the two in front steered.
- */
+/** A chassis on four sprung wheels, all driven and braked, the front ones steered. */
 typedef struct tandem_car tandem_car;
 
-/** Its frame is that of the chassis: x forward, y left, z up. */
+/** Its frame is the chassis': x forward, y left, z up. */
 typedef struct tandem_car_def {
   tandem_pose pose;         /**< of the chassis; at (0, 0, 0.8) */
   tandem_vec3 half_extents; /**< m, of the chassis; (2, 0.8, 0.25) */
   double mass;              /**< kg, without wheels; 1200 */
   double wheelbase;         /**< m, between the axles; 2.6 */
   double track;             /**< m, between the wheels of an axle; 1.5 */
-  double axle_height;       /**< m, of the axles in the frame, springs at ease; -0.4 */
+  double axle_height;       /**< m, of the axles in the frame, springs at rest; -0.4 */
   double wheel_radius;      /**< m; 0.35 */
   double wheel_width;       /**< m; 0.2 */
   double wheel_mass;        /**< kg; 20 */
   double stiffness;         /**< N/m, of each wheel's spring; 30e3 */
   double damping;           /**< N s/m; 3e3 */
-  double travel;            /**< m, to either side of where springs are at ease; 0.25 */
+  double travel;            /**< m, either way from rest; 0.25 */
   double friction;          /**< of tyres; 0.9 */
-  double drive_torque;      /**< N m, of all four wheels; 1600 */
-  double brake_torque;      /**< N m, likewise; 8000 */
-  double top_speed;         /**< m/s: the wheels turn no faster; 40 */
+  double drive_torque;      /**< N m, in total; 1600 */
+  double brake_torque;      /**< N m, in total; 8000 */
+  double top_speed;         /**< m/s, limits the wheels' spin; 40 */
   double max_steer;         /**< rad, 0 to 1.5; 0.6 */
   tandem_filter filter;
 } tandem_car_def;
@@ -424,23 +423,23 @@ TANDEM_C_API void tandem_car_def_init(tandem_car_def* def);
 TANDEM_C_API tandem_car* tandem_car_create(tandem_world* world, const tandem_car_def* def,
                                            tandem_error* error);
 TANDEM_C_API void tandem_car_destroy(tandem_car* car);
-/** Until it is called again.
- * @param throttle  -1, back, to 1
- * @param steer  rad, to the left, of a wheel between those in front
- * @param brake  0 to 1; above 0 nothing drives */
+/** Holds until the next call.
+ * @param throttle  -1, backwards, to 1
+ * @param steer  rad, to the left, of a virtual wheel between the front ones
+ * @param brake  0 to 1; above 0 the drive is off */
 TANDEM_C_API tandem_result tandem_car_drive(tandem_car* car, double throttle, double steer,
                                             double brake, tandem_error* error);
-/** Of the chassis, m/s, forward; 0 of a car whose chassis was removed. */
+/** Forward speed of the chassis, m/s; 0 if the chassis was removed. */
 TANDEM_C_API double tandem_car_speed(const tandem_car* car);
 /** The chassis, then the wheels: front left, front right, rear left, rear right. */
 TANDEM_C_API size_t tandem_car_bodies(const tandem_car* car, tandem_body* bodies, size_t capacity);
 
-/** What holds a particle of a rope or a cloth on a body. */
+/** Attaches a particle of a rope or a cloth to a body. */
 typedef struct tandem_attachment {
-  uint64_t number; /**< never given again; 0: none */
+  uint64_t number; /**< never reused; 0 = none */
 } tandem_attachment;
 
-/** The particle goes its way again, and still touches nothing. */
+/** Releases the particle, which still collides with nothing. */
 TANDEM_C_API tandem_result tandem_attachment_remove(tandem_world* world,
                                                     tandem_attachment attachment,
                                                     tandem_error* error);
@@ -450,13 +449,13 @@ typedef struct tandem_rope tandem_rope;
 
 typedef struct tandem_rope_def {
   tandem_vec3 from, to;         /**< m, world; (0, 0, 0), (1, 0, 0) */
-  double length;                /**< m, at least their distance, which it is where 0; 0 */
-  int32_t particles;            /**< at least 2, ends included; an odd number where it hangs; 20 */
-  double mass;                  /**< kg, of all of it; 0.5 */
-  double radius;                /**< m: it touches others as balls of this size; 0.01 */
-  double compliance;            /**< 1/N: strain for each newton; 0 */
-  double bending;               /**< N m^2: moment for each curvature; 0 */
-  double damping;               /**< 1/s, by the air; 0.1 */
+  double length;                /**< m, at least their distance; 0 = their distance; 0 */
+  int32_t particles;            /**< at least 2, ends included; odd for a hanging rope; 20 */
+  double mass;                  /**< kg, in total; 0.5 */
+  double radius;                /**< m: particles collide as spheres of this size; 0.01 */
+  double compliance;            /**< 1/N: strain per newton; 0 */
+  double bending;               /**< N m^2: moment per curvature; 0 */
+  double damping;               /**< 1/s, air drag; 0.1 */
   double friction, restitution; /**< 0.5, 0 */
   tandem_filter filter;
 } tandem_rope_def;
@@ -468,7 +467,7 @@ TANDEM_C_API void tandem_rope_destroy(tandem_rope* rope);
 /** The particles, from one end to the other. */
 TANDEM_C_API size_t tandem_rope_bodies(const tandem_rope* rope, tandem_body* bodies,
                                        size_t capacity);
-/** Hold a particle where it now is on a body. It touches nothing from then on.
+/** Attach a particle at its present place to a body. From then on it collides with nothing.
  * @param attachment  may be null */
 TANDEM_C_API tandem_result tandem_rope_attach(tandem_rope* rope, uint32_t particle,
                                               tandem_body host, tandem_attachment* attachment,
@@ -484,11 +483,11 @@ typedef struct tandem_cloth_def {
   double width, height;         /**< m, along x and y; 1, 1 */
   int32_t columns, rows;        /**< particles along x and y, at least 2; 20, 20 */
   double density;               /**< kg/m^2; 0.2 */
-  double radius;                /**< m: it touches others as balls of this size; 0.01 */
-  double stretching;            /**< N/m, along the threads; 0: they do not stretch; 0 */
-  double shearing;              /**< N/m, along the diagonals; 0: none; 50 */
-  double bending;               /**< N m: moment on each metre of width for each curvature; 1e-4 */
-  double damping;               /**< 1/s, by the air; 0.2 */
+  double radius;                /**< m: particles collide as spheres of this size; 0.01 */
+  double stretching;            /**< N/m, along the threads; 0 = rigid; 0 */
+  double shearing;              /**< N/m, along the diagonals; 0 = none; 50 */
+  double bending;               /**< N m: moment per metre of width and curvature; 1e-4 */
+  double damping;               /**< 1/s, air drag; 0.2 */
   double friction, restitution; /**< 0.5, 0 */
   tandem_filter filter;
 } tandem_cloth_def;
@@ -504,26 +503,27 @@ TANDEM_C_API size_t tandem_cloth_bodies(const tandem_cloth* cloth, tandem_body* 
 TANDEM_C_API tandem_result tandem_cloth_attach(tandem_cloth* cloth, int32_t column, int32_t row,
                                                tandem_body host, tandem_attachment* attachment,
                                                tandem_error* error);
-/** Each particle keeps within its distance of the nearest one that is attached by now: what hangs
- * does not stretch. Once, after what is attached. */
+/** Keeps each particle within its distance of the nearest attached one, so that hanging cloth does
+ * not stretch. Call it once, after attaching. */
 TANDEM_C_API tandem_result tandem_cloth_tether(tandem_cloth* cloth, tandem_error* error);
-/** A body at the mean of the cloth about a point, which can be held, pulled and shared.
+/** A body at the mean of the cloth around a point, which can be held, pulled and shared.
  * @param u, v  0 to 1, along columns and rows
  * @param reach  m, above the distance of particles
- * @param share  above 0 and below 1: of the mass there, which goes from particles to the body */
+ * @param share  above 0 and below 1: fraction of the mass there that moves from the particles to
+ * the body */
 TANDEM_C_API tandem_result tandem_cloth_add_handle(tandem_cloth* cloth, double u, double v,
                                                    double reach, double share, tandem_body* body,
                                                    tandem_error* error);
 
-/** Somebody who has fainted: eleven bodies on ten joints with the limits of people's. */
+/** An unconscious person: eleven bodies on ten joints with human limits. */
 typedef struct tandem_ragdoll tandem_ragdoll;
 
-/** Its frame stands between the feet: x forward, y left, z up. */
+/** Its frame is between the feet: x forward, y left, z up. */
 typedef struct tandem_ragdoll_def {
   tandem_pose pose;
   double height;                /**< m; 1.75 */
-  double mass;                  /**< kg, of all of it; 70 */
-  double damping;               /**< N m s/rad, of each joint: how limp it is; 2 */
+  double mass;                  /**< kg, in total; 70 */
+  double damping;               /**< N m s/rad, of each joint; 2 */
   double friction, restitution; /**< 0.5, 0 */
   tandem_filter filter;
 } tandem_ragdoll_def;
@@ -538,14 +538,14 @@ TANDEM_C_API void tandem_ragdoll_destroy(tandem_ragdoll* ragdoll);
 TANDEM_C_API size_t tandem_ragdoll_bodies(const tandem_ragdoll* ragdoll, tandem_body* bodies,
                                           size_t capacity);
 
-/* ---- events of the last step, where the world collects them ---- */
+/* ---- events of the last step, if the world collects them ---- */
 
 typedef struct tandem_contact {
   tandem_collider collider_a, collider_b;
   tandem_body body_a, body_b;
 } tandem_contact;
 
-/** Faster than 1 m/s. */
+/** Contacts that begin faster than 1 m/s. */
 typedef struct tandem_hit {
   tandem_contact contact;
   tandem_vec3 point;  /**< m, world */
@@ -563,28 +563,27 @@ typedef enum tandem_contact_list TANDEM_C_ENUM {
   TANDEM_IN_SENSOR = 5
 } tandem_contact_list;
 
-/** Copies at most `capacity` of them. @return how many there are */
+/** Copies at most `capacity` contacts. @return the total number */
 TANDEM_C_API size_t tandem_world_contacts(const tandem_world* world, tandem_contact_list list,
                                           tandem_contact* contacts, size_t capacity);
 TANDEM_C_API size_t tandem_world_hits(const tandem_world* world, tandem_hit* hits, size_t capacity);
 
 /* ---- queries ---- */
 
-/** Rays, casts, overlaps and nearest places among the colliders of a world, as they were at the
- * last update. They change nothing: a world runs the same with and without them. */
+/** Rays, casts, overlaps and closest points among the colliders of a world, as of the last update.
+ * They do not affect the simulation. */
 typedef struct tandem_query tandem_query;
 
-/** Not 0 where a query is to see this collider; called for candidates alone, in no special order.
- */
+/** Returns not 0 if a query accepts this collider; called for candidates, in any order. */
 typedef int32_t (*tandem_accept)(void* user, tandem_collider collider);
 
-/** Which colliders a query sees. A null pointer to it is the default. */
+/** Which colliders a query sees. A null filter is the default. */
 typedef struct tandem_query_filter {
-  uint32_t category, mask; /**< as of a collider; all, all */
-  int32_t group;           /**< likewise; 0 */
-  tandem_body ignore;      /**< all colliders of that body are left out; TANDEM_NO_BODY */
-  int32_t sensors;         /**< not 0: sensors too; 0 */
-  int32_t back_faces;      /**< not 0: the backs of triangles stop rays and casts, too; 0 */
+  uint32_t category, mask; /**< as for a collider; all, all */
+  int32_t group;           /**< as for a collider; 0 */
+  tandem_body ignore;      /**< skip all colliders of that body; TANDEM_NO_BODY */
+  int32_t sensors;         /**< not 0: include sensors; 0 */
+  int32_t back_faces;      /**< not 0: back faces of triangles stop rays and casts too; 0 */
   tandem_accept accept;    /**< null: all */
   void* user;              /**< first argument of accept */
 } tandem_query_filter;
@@ -594,22 +593,22 @@ typedef struct tandem_query_hit {
   tandem_body body;
   tandem_vec3 point;  /**< m, world, on the collider */
   tandem_vec3 normal; /**< unit, world, out of the collider */
-  double distance;    /**< m: along a ray; to the nearest place; below 0: overlap */
-  double fraction;    /**< of a ray's or a cast's way, 0 to 1; else 0 */
+  double distance;    /**< m: along a ray; to the closest point; below 0: overlap */
+  double fraction;    /**< along a ray or a cast, 0 to 1; else 0 */
   uint32_t triangle;  /**< of a mesh; else 0xffffffff */
 } tandem_query_hit;
 
-/** The world must outlive it. It sees the world as it is now. Null where it failed. */
+/** The world must outlive it. It sees the world as of the call. Null on failure. */
 TANDEM_C_API tandem_query* tandem_query_create(const tandem_world* world, tandem_error* error);
-/** Null: nothing happens. */
+/** Null: no effect. */
 TANDEM_C_API void tandem_query_destroy(tandem_query* query);
-/** Bodies have moved, colliders have changed: see the world as it is now. */
+/** Update the query to the present bodies and colliders. */
 TANDEM_C_API tandem_result tandem_query_update(tandem_query* query, tandem_error* error);
 TANDEM_C_API void tandem_query_filter_init(tandem_query_filter* filter);
 
-/* Hits come by distance, one for each collider. At most `capacity` of them are written to `hits`,
- * which may be null where it is 0; `count` says how many there are, where no more than one was
- * asked for only whether there is any. Shapes to ask with are convex. */
+/* Hits are sorted by distance, one per collider. At most `capacity` are written to `hits`, which
+ * may be null if it is 0. `count` is the total number; with a capacity of at most 1 it only tells
+ * whether there is any. Query shapes are convex. */
 
 /** @param direction  of any length above 0     @param max_distance  m, > 0 */
 TANDEM_C_API tandem_result tandem_query_ray(const tandem_query* query, tandem_vec3 origin,
@@ -623,14 +622,14 @@ TANDEM_C_API tandem_result tandem_query_cast(const tandem_query* query, const ta
                                              const tandem_query_filter* filter,
                                              tandem_query_hit* hits, size_t capacity, size_t* count,
                                              tandem_error* error);
-/** What is nearest, no further than `max_distance` (m, >= 0). @param shape  null: a point */
+/** The closest colliders, up to `max_distance` (m, >= 0). @param shape  null: a point */
 TANDEM_C_API tandem_result tandem_query_closest(const tandem_query* query,
                                                 const tandem_shape* shape, const tandem_pose* pose,
                                                 double max_distance,
                                                 const tandem_query_filter* filter,
                                                 tandem_query_hit* hits, size_t capacity,
                                                 size_t* count, tandem_error* error);
-/** What shares a point with the shape, in ascending order. */
+/** Colliders that share a point with the shape, in ascending order. */
 TANDEM_C_API tandem_result tandem_query_overlap(const tandem_query* query,
                                                 const tandem_shape* shape, const tandem_pose* pose,
                                                 const tandem_query_filter* filter,
@@ -647,34 +646,34 @@ typedef enum tandem_delivery TANDEM_C_ENUM {
   TANDEM_RELIABLE = 1 /**< in order, all of them */
 } tandem_delivery;
 
-/** Takes a packet; the bytes are copied. @param inbox  what the transport was given */
+/** Accepts a packet; the bytes are copied. @param inbox  as passed to the transport */
 typedef void (*tandem_receive)(void* inbox, uint64_t from, const void* bytes, size_t size);
-/** Takes a peer that there is or was. @param list  what the transport was given */
+/** Accepts a present or former peer. @param list  as passed to the transport */
 typedef void (*tandem_list_peer)(void* list, uint64_t peer, int32_t connected);
 
-/** A transport of the caller's. The functions are called during tandem_peer_ and tandem_session_
- * functions alone, by their thread, and must not call back into the peer, the session or its world.
- */
+/** A transport of the caller's. Its functions are called only during tandem_peer_ and
+ * tandem_session_ functions, on their thread, and must not call back into the peer, the session or
+ * its world. */
 typedef struct tandem_transport_def {
-  void* user;    /**< first argument of all of them */
+  void* user;    /**< first argument of all functions */
   uint64_t self; /**< this peer; unique in the session, never 0 */
-  /** Not 0 where the bytes, max_packet of them at most, were taken. Must not wait. */
+  /** Returns not 0 if it accepted the bytes, at most max_packet of them. Must not block. */
   int32_t (*post)(void* user, uint64_t to, const void* bytes, size_t size,
                   tandem_delivery delivery);
-  /** Calls receive(inbox, ...) for each packet that has come since, as it was posted. */
+  /** Calls receive(inbox, ...) for each packet received since the last call, as it was posted. */
   void (*drain)(void* user, tandem_receive receive, void* inbox);
   /** Calls list(into, ...) for each peer ever seen, by ascending id. */
   void (*peers)(void* user, tandem_list_peer list, void* into);
-  /** Cut a peer off: what it sends cannot be understood. May be null. */
+  /** Disconnect a peer that sends undecodable packets. May be null. */
   void (*drop)(void* user, uint64_t peer, const char* reason);
-  /** Bytes of the longest packet that post takes, reliable or not: 512 to 61440; 0 is 61440. What a
-   * peer has to say is cut to it. */
+  /** Bytes of the longest packet that post accepts, reliable or not: 512 to 61440; 0 is 61440.
+   * Messages are split accordingly. */
   size_t max_packet;
 } tandem_transport_def;
 
 TANDEM_C_API tandem_transport* tandem_transport_create(const tandem_transport_def* def,
                                                        tandem_error* error);
-/** After its peer or session. Null: nothing happens. */
+/** Destroy it after its peer or session. Null: no effect. */
 TANDEM_C_API void tandem_transport_destroy(tandem_transport* transport);
 
 /** A network between peers of one process, in virtual time: for tests. */
@@ -682,31 +681,31 @@ typedef struct tandem_network tandem_network;
 
 typedef struct tandem_link {
   double latency, jitter; /**< s, one way */
-  double loss;            /**< chance that a state is lost */
+  double loss;            /**< probability that a state is lost */
   double bandwidth;       /**< bit/s; 0 = unlimited */
 } tandem_link;
 
 TANDEM_C_API tandem_network* tandem_network_create(const tandem_link* link, uint64_t seed,
                                                    int64_t start_ns, tandem_error* error);
-/** After all peers on it; with its transports. */
+/** Destroys its transports too; call it after destroying all peers on it. */
 TANDEM_C_API void tandem_network_destroy(tandem_network* network);
 /** Owned by the network. */
 TANDEM_C_API tandem_transport* tandem_network_transport(tandem_network* network, uint64_t peer,
                                                         tandem_error* error);
-/** Deliver what is due. @param time_ns  never goes back */
+/** Deliver packets that are due. @param time_ns  never decreases */
 TANDEM_C_API tandem_result tandem_network_advance(tandem_network* network, int64_t time_ns,
                                                   tandem_error* error);
 
 /* ---- messages of the application ---- */
 
-/** Events between peers, by topic: each once, those of a sender in their order, through losses and
- * broken connections. All members of a session use one, or none sends any. */
+/** Events between peers, by topic: each arrives once, those of a sender in order, despite losses
+ * and broken connections. All members of a session use a channel, or none does. */
 typedef struct tandem_channel tandem_channel;
 
 typedef struct tandem_event {
   uint64_t from;
   int64_t stamp_ns;    /**< session time at which it was sent */
-  const char* topic;   /**< ends with 0, but may hold one before; untrusted, as the payload is */
+  const char* topic;   /**< ends with 0, and may contain more zeros; untrusted, like the payload */
   size_t topic_size;   /**< bytes */
   const void* payload; /**< valid until the next poll */
   size_t payload_size; /**< bytes */
@@ -715,18 +714,18 @@ typedef struct tandem_event {
 /** The transport must outlive it. */
 TANDEM_C_API tandem_channel* tandem_channel_create(tandem_transport* transport,
                                                    tandem_error* error);
-/** After the peer on its transport. Null: nothing happens. */
+/** Destroy it after the peer on its transport. Null: no effect. */
 TANDEM_C_API void tandem_channel_destroy(tandem_channel* channel);
-/** What the peer is given in place of the transport; owned by the channel. Null of a null one. */
+/** The transport to give to the peer; owned by the channel. Null for a null channel. */
 TANDEM_C_API tandem_transport* tandem_channel_transport(tandem_channel* channel);
-/** Before each tandem_peer_before_step. */
+/** Call before each tandem_peer_before_step. */
 TANDEM_C_API tandem_result tandem_channel_poll(tandem_channel* channel, int64_t now_ns,
                                                tandem_error* error);
-/** With the time of the last poll. @param topic  64 bytes at most     @param to  0: all */
+/** Stamped with the time of the last poll. @param topic  at most 64 bytes     @param to  0: all */
 TANDEM_C_API tandem_result tandem_channel_send(tandem_channel* channel, const char* topic,
                                                const void* payload, size_t size, uint64_t to,
                                                tandem_error* error);
-/** Copies at most `capacity` of those that the last poll took in. @return how many there are */
+/** Copies at most `capacity` events of the last poll. @return the total number */
 TANDEM_C_API size_t tandem_channel_events(const tandem_channel* channel, tandem_event* events,
                                           size_t capacity);
 
@@ -736,13 +735,13 @@ TANDEM_C_API size_t tandem_channel_events(const tandem_channel* channel, tandem_
 typedef struct tandem_peer tandem_peer;
 
 typedef struct tandem_peer_def {
-  double update_hz;      /**< states sent each second; 60 */
-  double influence;      /**< share of a difference that is closed per 1/60 s; 0.08 */
-  double authority_ramp; /**< s, over which a newcomer gets its say; 1 */
+  double update_hz;      /**< states sent per second; 60 */
+  double influence;      /**< fraction of a difference closed per 1/60 s; 0.08 */
+  double authority_ramp; /**< s, over which a newcomer gains influence; 1 */
   int32_t compact;   /**< not 0: states are rounded (0.12 mm) and take about 27 bytes, not 93; 0 */
-  double tolerance;  /**< m: what others expect more exactly is not sent; 0 = all is */
-  double kbit_per_s; /**< to each of the others, at most; 0 = no limit */
-  double replay_budget; /**< steps that may be replayed in each step to agree, at least 1; 4 */
+  double tolerance;  /**< m: largest prediction error that is not corrected; 0 = send all */
+  double kbit_per_s; /**< largest rate to each peer; 0 = no limit */
+  double replay_budget; /**< replayed steps allowed per step, at least 1; 4 */
 } tandem_peer_def;
 
 typedef struct tandem_shared_id {
@@ -756,8 +755,7 @@ typedef struct tandem_grab_def {
   double stiffness, damping, max_force; /**< N/m, N s/m, N; 500, 20, 1e6 */
 } tandem_grab_def;
 
-/** What an application does to a shared body in one moment: what is not set stays, impulses are
- * added. */
+/** An instantaneous act on a shared body: pose and twist change only if set, impulses are added. */
 typedef struct tandem_act_def {
   tandem_shared_id body;
   tandem_vec3 impulse;         /**< N s, world, at the centre of mass */
@@ -766,7 +764,7 @@ typedef struct tandem_act_def {
   int32_t sets_twist;          /**< not 0: to `twist`; 0 */
   tandem_pose pose;
   tandem_twist twist;
-  uint64_t name; /**< acts of one name on a body are one within 1 s, whoever does them; 0 = none */
+  uint64_t name; /**< acts on a body under one name within 1 s count once, by any peer; 0 = none */
 } tandem_act_def;
 
 typedef struct tandem_peer_stats {
@@ -776,11 +774,11 @@ typedef struct tandem_peer_stats {
 TANDEM_C_API void tandem_peer_def_init(tandem_peer_def* def);
 TANDEM_C_API tandem_peer* tandem_peer_create(tandem_world* world, tandem_transport* transport,
                                              const tandem_peer_def* def, tandem_error* error);
-/** Before its world and its transport. Null: nothing happens. */
+/** Destroy it before its world and its transport. Null: no effect. */
 TANDEM_C_API void tandem_peer_destroy(tandem_peer* peer);
-/** The id that belongs to a name; the same on every machine. */
+/** The id of a name; the same on every machine. */
 TANDEM_C_API tandem_shared_id tandem_shared_id_of(const char* name);
-/** @param owner  the peer that alone moves it; 0 = nobody owns it */
+/** @param owner  the peer that alone moves it; 0 = none */
 TANDEM_C_API tandem_result tandem_peer_share(tandem_peer* peer, tandem_shared_id id,
                                              tandem_body body, uint64_t owner, tandem_error* error);
 TANDEM_C_API tandem_result tandem_peer_unshare(tandem_peer* peer, tandem_shared_id id,
@@ -791,7 +789,7 @@ TANDEM_C_API tandem_result tandem_peer_before_step(tandem_peer* peer, int64_t no
                                                    tandem_error* error);
 TANDEM_C_API tandem_result tandem_peer_after_step(tandem_peer* peer, int64_t now_ns,
                                                   tandem_error* error);
-/** The other peers let go of this one's springs. */
+/** Tells the other peers to release this one's springs. */
 TANDEM_C_API tandem_result tandem_peer_leave(tandem_peer* peer, int64_t now_ns,
                                              tandem_error* error);
 TANDEM_C_API void tandem_grab_def_init(tandem_grab_def* def);
@@ -804,45 +802,45 @@ TANDEM_C_API tandem_result tandem_peer_move(tandem_peer* peer, uint32_t grab, ta
 TANDEM_C_API tandem_result tandem_peer_release(tandem_peer* peer, uint32_t grab,
                                                tandem_error* error);
 TANDEM_C_API void tandem_act_def_init(tandem_act_def* def);
-/** Kick a shared body, or put it somewhere, here and as of the same session time at all peers.
- * Between steps. */
+/** Act on a shared body, here and, as of the same session time, at all peers. Call it between
+ * steps. */
 TANDEM_C_API tandem_result tandem_peer_act(tandem_peer* peer, const tandem_act_def* def,
                                            tandem_error* error);
 TANDEM_C_API void tandem_peer_get_stats(const tandem_peer* peer, tandem_peer_stats* stats);
 
 /* ---- sessions: library tandem_c_session ---- */
 
-/** One participant of a session with all that it runs on: clock, steps of fixed length, peer,
- * transport, events. It steps its world, which nothing else may step meanwhile:
+/** One participant of a session with all its parts: clock, steps of fixed length, peer, transport,
+ * events. It steps its world, which no other code may step meanwhile:
  *
  *     tandem_session* session = tandem_session_create_tcp(world, &tcp, &def, &error);
  *     tandem_session_share(session, "cube", cube, 0, NULL, &error);
  *     each frame:  tandem_session_advance(session, tandem_session_now(session), ...);
  *
- * What its functions call must let no exception out, and neither advances nor destroys it. */
+ * Callbacks must not let exceptions out, nor advance or destroy the session. */
 typedef struct tandem_session tandem_session;
 
-/** Makes the body that `what` describes, which has come from another member (untrusted: any bytes,
- * and one more that is 0) or from tandem_session_spawn. The session sets where it is.
- * @return not 0 where `body` was written; 0: there is no such thing */
+/** Makes the body that `what` describes, which comes from another member (untrusted: any bytes,
+ * followed by a 0) or from tandem_session_spawn. The session sets its pose.
+ * @return not 0 if `body` was written; 0 if `what` is unknown */
 typedef int32_t (*tandem_make)(void* user, const char* what, size_t size, tandem_body* body);
-/** Takes a body out of the world that tandem_make has made. */
+/** Removes a body made by tandem_make from the world. */
 typedef void (*tandem_remove)(void* user, tandem_body body);
 /** Session time, ns. */
 typedef int64_t (*tandem_clock)(void* user);
-/** Before each step, which begins at `now_ns`: to move hands, push, read events. */
+/** Called before each step, which begins at `now_ns`: to move hands, push, read events. */
 typedef void (*tandem_before_step)(void* user, int64_t now_ns);
 
 typedef struct tandem_session_def {
   double rate;          /**< steps a second, 0.1 to 1e4; 60 */
   tandem_peer_def peer; /**< as of tandem_peer_def_init */
-  /* To spawn; all members have both functions, or none has: */
+  /* For spawning; all members have both functions, or none has: */
   tandem_make make;            /**< null */
   tandem_remove remove;        /**< null */
-  uint32_t max_spawned;        /**< bodies at a time, of all members, > 0; 1024 */
-  uint32_t max_spawned_of_one; /**< likewise of one member; 256 */
-  tandem_clock clock; /**< null: the transport's, where it has one, else the system's clock */
-  void* user;         /**< first argument of the three */
+  uint32_t max_spawned;        /**< bodies alive, of all members, > 0; 1024 */
+  uint32_t max_spawned_of_one; /**< bodies alive, of one member; 256 */
+  tandem_clock clock;          /**< null: the transport's, if it has one, else the system's clock */
+  void* user;                  /**< first argument of the three */
 } tandem_session_def;
 
 /** A session key, or an X25519 key of a peer. */
@@ -855,96 +853,96 @@ typedef struct tandem_trusted {
   tandem_key public_key;
 } tandem_trusted;
 
-/** Who may take part where frames are protected. All of it is read during the call alone. */
+/** Who may take part in a protected session. Read during the call only. */
 typedef struct tandem_credentials {
-  const tandem_key* session_key; /**< the same of all members, not zero */
-  const tandem_key* identity;    /**< secret of this peer; null: a new one */
-  /** Other peers; neither they nor an organiser: any member. */
+  const tandem_key* session_key; /**< the same for all members, not zero */
+  const tandem_key* identity;    /**< secret of this peer; null = a new one */
+  /** Accepted peers. With neither these nor an organiser: any member. */
   const tandem_trusted* trusted;
   size_t trusted_count;
-  const tandem_key* organiser; /**< whose certificates let others in: his public key; null: none */
-  const void* certificate;     /**< of this peer, where there is an organiser */
+  const tandem_key* organiser; /**< public key; its certificates admit peers; null = none */
+  const void* certificate;     /**< of this peer, if there is an organiser */
   size_t certificate_size;     /**< bytes */
 } tandem_credentials;
 
-/** What one process brings to a session over TCP. */
+/** Options of one process in a session over TCP. */
 typedef struct tandem_tcp_def {
   uint64_t self;              /**< unique in the session, never 0 */
-  uint64_t scene_hash;        /**< peers with another one are refused; 0 */
-  int32_t listen_port;        /**< 0: a free one, see tandem_session_port; -1: it only dials; -1 */
-  int32_t insecure;           /**< not 0: no key and yet other addresses than loopback ones; 0 */
+  uint64_t scene_hash;        /**< peers with a different one are refused; 0 */
+  int32_t listen_port;        /**< 0: a free one, see tandem_session_port; -1: dials only; -1 */
+  int32_t insecure;           /**< not 0: allows other addresses than loopback without a key; 0 */
   const char* listen_address; /**< numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4 */
-  const char* connect; /**< "HOST:PORT" of others, with spaces between; one is enough; null: none */
+  const char* connect; /**< "HOST:PORT" of peers, separated by spaces; one is enough; null: none */
   tandem_credentials credentials; /**< session_key may be null: loopback addresses only */
 } tandem_tcp_def;
 
-/** Where session time comes from. */
+/** Source of session time. */
 typedef enum tandem_clock_source TANDEM_C_ENUM {
   TANDEM_CLOCK_SESSION = 0, /**< agreed on in the session */
   TANDEM_CLOCK_SYSTEM = 1,  /**< hosts are disciplined by PTP or NTP */
-  TANDEM_CLOCK_NONE = 2     /**< each peer has its own; states are dated where they arrive */
+  TANDEM_CLOCK_NONE = 2     /**< each peer has its own; states are dated on arrival */
 } tandem_clock_source;
 
-/** What one process brings to a session over UDP, which is encrypted always. */
+/** Options of one process in a session over UDP, which is always encrypted. */
 typedef struct tandem_udp_def {
   uint64_t self;              /**< unique in the session, never 0 */
-  uint64_t scene_hash;        /**< peers with another one are refused; 0 */
+  uint64_t scene_hash;        /**< peers with a different one are refused; 0 */
   int32_t listen_port;        /**< 0: a free one, see tandem_session_port; 0 */
   tandem_clock_source clock;  /**< TANDEM_CLOCK_SESSION */
   const char* listen_address; /**< numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4 */
-  const char* connect; /**< "HOST:PORT" of others, with spaces between; one is enough; null: none */
+  const char* connect; /**< "HOST:PORT" of peers, separated by spaces; one is enough; null: none */
   tandem_credentials credentials; /**< with a session key */
   double kbit_per_s;              /**< budget of each link, headers counted; 256 */
-  int32_t relay; /**< not 0: pass on for peers that do not reach each other, and be passed on; 1 */
+  int32_t relay; /**< not 0: forward for peers without a route, and be forwarded for; 1 */
 } tandem_udp_def;
 
 typedef enum tandem_step_status TANDEM_C_ENUM {
   TANDEM_STEP_OK = 0,
-  TANDEM_STEP_NON_FINITE = 1, /**< a body became NaN or infinite and was put back */
-  TANDEM_STEP_INVALID = 2     /**< session time is below a step: none was made */
+  TANDEM_STEP_NON_FINITE = 1, /**< a body became NaN or infinite and was reset */
+  TANDEM_STEP_INVALID = 2     /**< session time is less than a step: none was made */
 } tandem_step_status;
 
-/** What tandem_session_advance did. */
+/** Result of tandem_session_advance. */
 typedef struct tandem_progress {
   int32_t steps;
   tandem_step_status status; /**< of the first step that was not TANDEM_STEP_OK */
-  int64_t skipped_ns;        /**< of session time that were jumped over */
-  int64_t lag_ns;            /**< that the world is behind */
-  int64_t held_ns;           /**< > 0: session time is behind by so much, nothing moves */
-  int32_t stepped_elsewhere; /**< not 0: something else has stepped the world since the last call */
+  int64_t skipped_ns;        /**< of session time, skipped */
+  int64_t lag_ns;            /**< by which the world is behind */
+  int64_t held_ns;           /**< > 0: session time is behind by this, nothing moves */
+  int32_t stepped_elsewhere; /**< not 0: other code has stepped the world since the last call */
 } tandem_progress;
 
 /** Another peer as the transport sees it. */
 typedef struct tandem_member {
   uint64_t id;
   int32_t connected;
-  char reason[128];  /**< why it is not connected; ends with 0, cut where it is longer */
-  double round_trip; /**< s, smoothed; -1: not known */
-  double kbit_per_s; /**< what the way there bears now; 0: not known */
+  char reason[128];  /**< why it is not connected; ends with 0, truncated if longer */
+  double round_trip; /**< s, smoothed; -1 = unknown */
+  double kbit_per_s; /**< capacity of the path now; 0 = unknown */
   uint64_t packets_in, packets_out, bytes_in, bytes_out;
 } tandem_member;
 
 typedef struct tandem_session_stats {
   tandem_peer_stats peer;
-  uint64_t spawns_refused;  /**< requests of other members to spawn or despawn */
-  uint64_t events_lost;     /**< too much waited for somebody */
-  uint64_t events_rejected; /**< packets that could not be read */
+  uint64_t spawns_refused;  /**< other members' requests to spawn or despawn */
+  uint64_t events_lost;     /**< because too many waited */
+  uint64_t events_rejected; /**< packets that could not be decoded */
 } tandem_session_stats;
 
-/** A new key, of the system's generator. An error in builds without libsodium. */
+/** A new key from the system's generator. An error in builds without libsodium. */
 TANDEM_C_SESSION_API tandem_result tandem_key_make(tandem_key* key, tandem_error* error);
-/** The key to give to the others. Likewise. */
+/** The public key to give to others. An error in builds without libsodium. */
 TANDEM_C_SESSION_API tandem_result tandem_key_public(const tandem_key* identity, tandem_key* key,
                                                      tandem_error* error);
 
-/** A peer's id that nobody without the secret of the key can have. 0 of a null key, and in builds
- * without libsodium. */
+/** The peer id of a public key: only the owner of its secret can use it. 0 for a null key, and in
+ * builds without libsodium. */
 TANDEM_C_SESSION_API uint64_t tandem_key_peer(const tandem_key* public_key);
 
 TANDEM_C_SESSION_API void tandem_session_def_init(tandem_session_def* def);
 TANDEM_C_SESSION_API void tandem_tcp_def_init(tandem_tcp_def* def);
 TANDEM_C_SESSION_API void tandem_udp_def_init(tandem_udp_def* def);
-/* The world must outlive it and have no peer. Null where it failed. */
+/* The world must outlive it and have no peer. Null on failure. */
 TANDEM_C_SESSION_API tandem_session* tandem_session_create_tcp(tandem_world* world,
                                                                const tandem_tcp_def* tcp,
                                                                const tandem_session_def* def,
@@ -954,43 +952,43 @@ TANDEM_C_SESSION_API tandem_session* tandem_session_create_udp(tandem_world* wor
                                                                const tandem_udp_def* udp,
                                                                const tandem_session_def* def,
                                                                tandem_error* error);
-/** Over a transport that outlives it, a network's or the caller's, and no channel's: a session has
- * its own events. */
+/** With a transport that outlives it, a network's or the caller's, but not a channel's: a session
+ * has its own events. */
 TANDEM_C_SESSION_API tandem_session* tandem_session_create(tandem_world* world,
                                                            tandem_transport* transport,
                                                            const tandem_session_def* def,
                                                            tandem_error* error);
-/** Tells the others that it goes. Before its world and its transport. Null: nothing happens. */
+/** Announces that it leaves. Destroy it before its world and its transport. Null: no effect. */
 TANDEM_C_SESSION_API void tandem_session_destroy(tandem_session* session);
 
-/** Of this peer. */
+/** Id of this peer. */
 TANDEM_C_SESSION_API uint64_t tandem_session_self(const tandem_session* session);
-/** The port of its own socket; 0: there is none. */
+/** The port of its own socket; 0 if it has none. */
 TANDEM_C_SESSION_API int32_t tandem_session_port(const tandem_session* session);
-/** Session time now, ns. Of a null session 0. */
+/** Session time now, ns. 0 for a null session. */
 TANDEM_C_SESSION_API int64_t tandem_session_now(tandem_session* session);
-/** Make the steps that are due at `now_ns`, and only those: it waits for nothing. The first call
- * begins. Contacts of the world are those of the last step.
- * @param before_step  may be null, as may be `user`, its first argument, and `progress` */
+/** Make the steps that are due at `now_ns`, and only those; never blocks. The first call begins.
+ * The world's contacts are those of the last step.
+ * @param before_step  may be null, like `user`, its first argument, and `progress` */
 TANDEM_C_SESSION_API tandem_result tandem_session_advance(tandem_session* session, int64_t now_ns,
                                                           tandem_before_step before_step,
                                                           void* user, tandem_progress* progress,
                                                           tandem_error* error);
 
-/** Share a body with all members that share one by the same name.
- * @param owner  the peer that alone moves it; 0 = nobody owns it
- * @param id  what it is known by, tandem_shared_id_of(name); may be null */
+/** Share a body with all members that share one under the same name.
+ * @param owner  the peer that alone moves it; 0 = none
+ * @param id  its id, tandem_shared_id_of(name); may be null */
 TANDEM_C_SESSION_API tandem_result tandem_session_share(tandem_session* session, const char* name,
                                                         tandem_body body, uint64_t owner,
                                                         tandem_shared_id* id, tandem_error* error);
-/** All bodies of one thing, as "name/0", "name/1" and so on, or none of them. */
+/** Share all bodies of one object, as "name/0", "name/1" and so on, or none of them. */
 TANDEM_C_SESSION_API tandem_result tandem_session_share_all(tandem_session* session,
                                                             const char* name,
                                                             const tandem_body* bodies, size_t count,
                                                             uint64_t owner, tandem_error* error);
 TANDEM_C_SESSION_API tandem_result tandem_session_unshare(tandem_session* session,
                                                           tandem_shared_id id, tandem_error* error);
-/** The instance of a shared body here. */
+/** The local instance of a shared body. */
 TANDEM_C_SESSION_API tandem_result tandem_session_body(const tandem_session* session,
                                                        tandem_shared_id id, tandem_body* body,
                                                        tandem_error* error);
@@ -999,12 +997,12 @@ TANDEM_C_SESSION_API tandem_result tandem_session_body(const tandem_session* ses
 TANDEM_C_SESSION_API tandem_result tandem_session_grab(tandem_session* session,
                                                        const tandem_grab_def* def, uint32_t* grab,
                                                        tandem_error* error);
-/** Where the hand is as the next step begins, m, world.
- * @param holds  0: no longer, it was released or its body is gone; may be null */
+/** Position of the hand when the next step begins, m, world.
+ * @param holds  0: released, or its body is gone; may be null */
 TANDEM_C_SESSION_API tandem_result tandem_session_move(tandem_session* session, uint32_t grab,
                                                        tandem_vec3 anchor, int32_t* holds,
                                                        tandem_error* error);
-/** Let go, if it still holds. */
+/** Release it, if it still holds. */
 TANDEM_C_SESSION_API tandem_result tandem_session_release(tandem_session* session, uint32_t grab,
                                                           tandem_error* error);
 /** As tandem_peer_act. */
@@ -1012,37 +1010,37 @@ TANDEM_C_SESSION_API tandem_result tandem_session_act(tandem_session* session,
                                                       const tandem_act_def* def,
                                                       tandem_error* error);
 
-/** Make a body at every member, the later ones included, and share it.
- * @param what  what tandem_make is given at every member, 512 bytes at most; UTF-8, say
+/** Make a body at every member, later ones included, and share it.
+ * @param what  argument of tandem_make at every member, at most 512 bytes; UTF-8, for example
  * @param twist  null: at rest     @param id  may be null */
 TANDEM_C_SESSION_API tandem_result tandem_session_spawn(tandem_session* session, const char* what,
                                                         const tandem_pose* pose,
                                                         const tandem_twist* twist,
                                                         tandem_shared_id* id, tandem_error* error);
-/** Remove a body at every member that any of them has spawned. */
+/** Remove a body that any member has spawned, at every member. */
 TANDEM_C_SESSION_API tandem_result tandem_session_despawn(tandem_session* session,
                                                           tandem_shared_id id, tandem_error* error);
 
-/** Who has connected during the last advance. Copies at most `capacity` ids, in the order in which
- * it was seen; from within tandem_before_step up to that step. @return how many there are */
+/** Peers that connected during the last advance. Copies at most `capacity` ids, in order; within
+ * tandem_before_step those up to that step. @return the total number */
 TANDEM_C_SESSION_API size_t tandem_session_joined(const tandem_session* session, uint64_t* peers,
                                                   size_t capacity);
-/** Likewise whose connection has ended. */
+/** The same for peers that disconnected. */
 TANDEM_C_SESSION_API size_t tandem_session_left(const tandem_session* session, uint64_t* peers,
                                                 size_t capacity);
-/** All peers ever seen, by ascending id. Copies at most `capacity`. @return how many there are */
+/** All peers ever seen, by ascending id. Copies at most `capacity`. @return the total number */
 TANDEM_C_SESSION_API size_t tandem_session_members(tandem_session* session, tandem_member* members,
                                                    size_t capacity);
 
 /** A message of the application. It leaves before the next step.
- * @param topic  64 bytes at most; those that begin with "tandem." are the session's
+ * @param topic  at most 64 bytes; those that begin with "tandem." are reserved
  * @param to  0: all */
 TANDEM_C_SESSION_API tandem_result tandem_session_send(tandem_session* session, const char* topic,
                                                        const void* payload, size_t size,
                                                        uint64_t to, tandem_error* error);
-/** What has come during the last advance, from within tandem_before_step up to that step, without
- * the session's own. Valid until the next advance. Copies at most `capacity`.
- * @return how many there are */
+/** Events received during the last advance, within tandem_before_step those up to that step,
+ * without the session's own. Valid until the next advance. Copies at most `capacity`.
+ * @return the total number */
 TANDEM_C_SESSION_API size_t tandem_session_events(const tandem_session* session,
                                                   tandem_event* events, size_t capacity);
 TANDEM_C_SESSION_API void tandem_session_get_stats(const tandem_session* session,
@@ -1050,7 +1048,7 @@ TANDEM_C_SESSION_API void tandem_session_get_stats(const tandem_session* session
 
 /* ---- scene files: library tandem_c_files ---- */
 
-/** Names and whatever else a file has beside the world that is made of it. */
+/** Names and other data of a file, beside the world made from it. */
 typedef struct tandem_scene_file tandem_scene_file;
 
 typedef enum tandem_scene_format TANDEM_C_ENUM {
@@ -1069,28 +1067,28 @@ typedef struct tandem_named_joint {
   tandem_joint joint;
 } tandem_named_joint;
 
-/** A world from a file; one that ends in .gltf or .glb is glTF. Strangers' files may be read. An
- * error names file, place in it, rule and value. Null where it failed.
+/** A world from a file; names that end in .gltf or .glb are glTF. Files are untrusted. An error
+ * names file, place in it, rule and value. Null on failure.
  * @param path  UTF-8
- * @param def  gravity is the file's where that says one
- * @param file  may be null; to be destroyed, before or after the world */
+ * @param def  its gravity counts if the file has none
+ * @param file  may be null; destroy it before or after the world */
 TANDEM_C_FILES_API tandem_world* tandem_scene_load(const char* path, const tandem_world_def* def,
                                                    tandem_scene_file** file, tandem_error* error);
-/** The same of a text in memory.
+/** The same from text in memory.
  * @param size  bytes, without a 0 at the end
- * @param folder  of glTF, where its buffers may be files; UTF-8 */
+ * @param folder  for glTF, whose buffers may be files; UTF-8 */
 TANDEM_C_FILES_API tandem_world* tandem_scene_parse(tandem_scene_format format, const char* text,
                                                     size_t size, const char* folder,
                                                     const tandem_world_def* def,
                                                     tandem_scene_file** file, tandem_error* error);
-/** The world stays. Null: nothing happens. */
+/** The world remains. Null: no effect. */
 TANDEM_C_FILES_API void tandem_scene_file_destroy(tandem_scene_file* file);
-/** In the file's order. Copies at most `capacity`. @return how many there are */
+/** In the file's order. Copies at most `capacity`. @return the total number */
 TANDEM_C_FILES_API size_t tandem_scene_file_bodies(const tandem_scene_file* file,
                                                    tandem_named_body* bodies, size_t capacity);
 TANDEM_C_FILES_API size_t tandem_scene_file_joints(const tandem_scene_file* file,
                                                    tandem_named_joint* joints, size_t capacity);
-/** What the file has and the world has not, with its place. */
+/** Parts of the file that the world lacks, with their places. */
 TANDEM_C_FILES_API size_t tandem_scene_file_warnings(const tandem_scene_file* file,
                                                      const char** warnings, size_t capacity);
 /** The first one of that name. */
@@ -1100,17 +1098,17 @@ TANDEM_C_FILES_API tandem_result tandem_scene_file_find_body(const tandem_scene_
 TANDEM_C_FILES_API tandem_result tandem_scene_file_find_joint(const tandem_scene_file* file,
                                                               const char* name, tandem_joint* joint,
                                                               tandem_error* error);
-/** Where the frame of that name is now, world: of a body's shape, where tandem_body_state has the
- * centre of mass. */
+/** Present pose, world, of the frame of that name: for a body the frame of its shape, while
+ * tandem_body_state has the centre of mass. */
 TANDEM_C_FILES_API tandem_result tandem_scene_file_pose(const tandem_scene_file* file,
                                                         const char* name, tandem_pose* pose,
                                                         tandem_error* error);
-/** One more body, from an element as Tandem's format has them in "bodies".
+/** Add a body, from an element of "bodies" in Tandem's format.
  * @param size  bytes, without a 0 at the end */
 TANDEM_C_FILES_API tandem_result tandem_scene_add_body(tandem_world* world, const char* text,
                                                        size_t size, tandem_body* body,
                                                        tandem_error* error);
-/** The world as text of Tandem's format, with a 0 at the end.
+/** The world as text in Tandem's format, with a 0 at the end.
  * @param file  its names; null: none
  * @param size  in: bytes of `buffer`, out: needed */
 TANDEM_C_FILES_API tandem_result tandem_scene_write(const tandem_world* world,
