@@ -4,19 +4,19 @@ using System.Runtime.InteropServices;
 
 #pragma warning disable 0649  // the library writes to them
 
-// What a program fills in. Take Default (or Of) and change it: what it does not know has its
-// default.
+// Structs that a program fills in. Take Default (or Of) and change it, so that fields unknown to
+// the program have their defaults.
 namespace Tandem {
 
 [StructLayout(LayoutKind.Sequential)]
 public struct WorldDef {
   public Vec3 Gravity;       // m/s^2; (0, 0, -9.81)
-  public int Substeps;       // of a step, 1 to 1000; 4
+  public int Substeps;       // per step, 1 to 1000; 4
   public int Threads;        // 1 to 64; 1. Any number gives the same bits.
   public double SleepAfter;  // s; 0.5; 0 = never
   private int events;
 
-  /// <summary>Contact events are collected; false.</summary>
+  /// <summary>Whether contact events are collected; false.</summary>
   public bool Events { get => events != 0; set => events = value ? 1 : 0; }
 
   public static WorldDef Default {
@@ -32,15 +32,15 @@ public struct StepReport {
   private int finite;
   public int Bodies;
   public int Awake;
-  public int Targets;  // bodies that remote states pulled
+  public int Targets;  // bodies pulled by remote states
 
-  /// <summary>Not so: a body became NaN or infinite and was put back.</summary>
+  /// <summary>False: a body became NaN or infinite and was reset.</summary>
   public bool Finite => finite != 0;
 }
 
 public enum BodyType {
   Static = 0,
-  Kinematic = 1,  // moves with the twist that it was given
+  Kinematic = 1,  // moves with the given twist
   Dynamic = 2
 }
 
@@ -56,7 +56,7 @@ public struct BodyDef {
   private int bullet;
   private int canSleep;
 
-  /// <summary>Never gets through anything, small and fast as it may be; false.</summary>
+  /// <summary>Continuous collision detection; false.</summary>
   public bool Bullet { get => bullet != 0; set => bullet = value ? 1 : 0; }
   /// <summary>True.</summary>
   public bool CanSleep { get => canSleep != 0; set => canSleep = value ? 1 : 0; }
@@ -73,7 +73,7 @@ public struct BodyDef {
 public struct MassProperties {
   public double Mass;        // kg
   public Vec3 CentreOfMass;  // m, frame of the shape
-  public Mat3 Inertia;       // kg m^2, about it
+  public Mat3 Inertia;       // kg m^2, about the centre of mass
 }
 
 public enum JointKind {
@@ -85,21 +85,22 @@ public enum JointKind {
 
 public enum MotorMode { Off = 0, Velocity = 1, Position = 2 }
 
-/// <summary>Frames are laid as the bodies stand; all coordinates are 0 there.</summary>
+/// <summary>Frames are attached at the bodies' present poses; all coordinates are 0
+/// there.</summary>
 [StructLayout(LayoutKind.Sequential)]
 public struct JointDef {
   public JointKind Kind;
   public BodyId A, B;        // A may be BodyId.None, the world
   public Vec3 Anchor;        // m, world
   public Vec3 Axis;          // world; hinges and sliders; (1, 0, 0)
-  public double Compliance;  // m/N of what it locks, 0 = rigid; 0
+  public double Compliance;  // m/N, of the locked coordinates, 0 = rigid; 0
   private int limited;
   public double Lower, Upper;  // rad of hinges, m of sliders
   public MotorMode Motor;
   public double MotorTarget, MotorMaxForce;  // 0; infinite
   public double BreakForce, BreakTorque;     // N, N m; 0 = never
 
-  /// <summary>Of hinges and sliders: between Lower and Upper; false.</summary>
+  /// <summary>Hinges and sliders: between Lower and Upper; false.</summary>
   public bool Limited { get => limited != 0; set => limited = value ? 1 : 0; }
 
   public static JointDef Of(JointKind kind) {
@@ -114,7 +115,7 @@ public struct Contact {
   public BodyId BodyA, BodyB;
 }
 
-/// <summary>Faster than 1 m/s.</summary>
+/// <summary>A contact that begins faster than 1 m/s.</summary>
 [StructLayout(LayoutKind.Sequential)]
 public struct Hit {
   public Contact Contact;
@@ -139,8 +140,8 @@ public struct QueryHit {
   public BodyId Body;
   public Vec3 Point;       // m, world, on the collider
   public Vec3 Normal;      // unit, world, out of the collider
-  public double Distance;  // m: along a ray; to the nearest place; below 0: overlap
-  public double Fraction;  // of a ray's or a cast's way, 0 to 1; else 0
+  public double Distance;  // m: along a ray; to the closest point; below 0: overlap
+  public double Fraction;  // along a ray or a cast, 0 to 1; else 0
   public uint Triangle;    // of a mesh; else 0xffffffff
 }
 
@@ -149,23 +150,23 @@ public enum Delivery {
   Reliable = 1  // in order, all of them
 }
 
-/// <summary>A way between two peers of a Network.</summary>
+/// <summary>A link between two peers of a Network.</summary>
 [StructLayout(LayoutKind.Sequential)]
 public struct Link {
   public double Latency, Jitter;  // s, one way
-  public double Loss;             // chance that a state is lost
+  public double Loss;             // probability that a state is lost
   public double Bandwidth;        // bit/s; 0 = unlimited
 }
 
 [StructLayout(LayoutKind.Sequential)]
 public struct PeerDef {
-  public double UpdateHz;       // states sent each second; 60
-  public double Influence;      // share of a difference that is closed per 1/60 s; 0.08
-  public double AuthorityRamp;  // s, over which a newcomer gets its say; 1
+  public double UpdateHz;       // states sent per second; 60
+  public double Influence;      // fraction of a difference closed per 1/60 s; 0.08
+  public double AuthorityRamp;  // s, over which a newcomer gains influence; 1
   private int compact;
-  public double Tolerance;     // m: what others expect more exactly is not sent; 0 = all is
-  public double KbitPerS;      // to each of the others, at most; 0 = no limit
-  public double ReplayBudget;  // steps that may be replayed in each step to agree, at least 1; 4
+  public double Tolerance;     // m: largest prediction error not corrected; 0 = send all
+  public double KbitPerS;      // largest rate to each peer; 0 = no limit
+  public double ReplayBudget;  // replayed steps allowed per step, at least 1; 4
 
   /// <summary>States are rounded (0.12 mm) and take about 27 bytes, not 93; false.</summary>
   public bool Compact { get => compact != 0; set => compact = value ? 1 : 0; }
@@ -193,8 +194,8 @@ public struct GrabDef {
   }
 }
 
-/// <summary>What an application does to a shared body in one moment: what is not set stays,
-/// impulses are added.</summary>
+/// <summary>An instantaneous act on a shared body: pose and twist change only if set, impulses are
+/// added.</summary>
 [StructLayout(LayoutKind.Sequential)]
 public struct ActDef {
   public SharedId Body;
@@ -204,9 +205,9 @@ public struct ActDef {
   private int setsTwist;
   private Pose pose;
   private Twist twist;
-  public ulong Name;  // acts of one name on a body are one within 1 s, whoever does them; 0 = none
+  public ulong Name;  // acts on a body under one name within 1 s count once, by any peer; 0 = none
 
-  /// <summary>Null: it stays.</summary>
+  /// <summary>Null: unchanged.</summary>
   public Pose? Pose {
     get => setsPose != 0 ? pose : (Pose?)null;
     set {
@@ -215,7 +216,7 @@ public struct ActDef {
     }
   }
 
-  /// <summary>Null: it stays.</summary>
+  /// <summary>Null: unchanged.</summary>
   public Twist? Twist {
     get => setsTwist != 0 ? twist : (Twist?)null;
     set {

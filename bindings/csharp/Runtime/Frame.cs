@@ -2,12 +2,12 @@
 // Copyright (c) 2026 The Tandem authors
 namespace Tandem {
 
-/// <summary>Axes of an engine with y up. Ours are right-handed with z up: what lies along our z
-/// lies along its y, and so do capsules and cylinders.
+/// <summary>Axes of an engine with y up. Ours are right-handed with z up: our z is its y, also for
+/// capsules and cylinders.
 ///
-/// Vectors are of two kinds. Positions, velocities and forces go by To and From; what turns
-/// (angular velocities, torques, axes of hinges) by ToTurning and FromTurning, which differ where
-/// the engine is left-handed.</summary>
+/// Vectors are of two kinds. Positions, velocities and forces use To and From; axial vectors
+/// (angular velocities, torques, axes of hinges) use ToTurning and FromTurning, which differ if the
+/// engine is left-handed.</summary>
 public struct Frame {
   /// <summary>x right, y up, z forward, left-handed: our (x, y, z) is its (x, z, y).</summary>
   public static Frame Unity => new Frame {left = true};
@@ -39,7 +39,7 @@ public struct Frame {
   public Twist To(Twist twist) => new Twist(To(twist.Linear), ToTurning(twist.Angular));
   public Twist From(Twist twist) => new Twist(From(twist.Linear), FromTurning(twist.Angular));
 
-  /// <summary>Of boxes and the like: lengths, that have no sign. Both ways.</summary>
+  /// <summary>Sizes of boxes and the like, which have no sign. Both ways.</summary>
   public Vec3 Size(Vec3 v) => new Vec3(v.X, v.Z, v.Y);
 }
 

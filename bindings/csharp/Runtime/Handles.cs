@@ -5,8 +5,8 @@ using System.Runtime.InteropServices;
 
 namespace Tandem {
 
-/// <summary>An object of the library. It holds those that must outlive it, so that whoever frees
-/// them first, a Dispose or the collector, they go after it.</summary>
+/// <summary>An object of the library. It holds the objects that must outlive it: they are freed
+/// after it, whether by Dispose or by the collector.</summary>
 internal abstract class NativeHandle : SafeHandle {
   private SafeHandle[] parents = new SafeHandle[0];
 
@@ -14,7 +14,7 @@ internal abstract class NativeHandle : SafeHandle {
 
   public override bool IsInvalid => handle == IntPtr.Zero;
 
-  /// <summary>Takes what the library has made, or throws what it said.</summary>
+  /// <summary>Takes over an object of the library, or throws its error.</summary>
   internal void Adopt(IntPtr made, ref NativeError error, params SafeHandle[] outliving) {
     if (made == IntPtr.Zero) throw error.Thrown();
     foreach (var parent in outliving) {
@@ -52,9 +52,10 @@ internal sealed class NetworkHandle : NativeHandle {
 }
 
 internal sealed class TransportHandle : NativeHandle {
-  /// <summary>Of one that calls the program; others belong to a network or a channel.</summary>
+  /// <summary>Of a transport that calls the program; others belong to a network or a
+  /// channel.</summary>
   internal GCHandle User;
-  /// <summary>Kept as long as the library may call it; null of those others.</summary>
+  /// <summary>Kept while the library may call it; null for the others.</summary>
   internal TransportCalls Calls;
 
   protected override void Free() {

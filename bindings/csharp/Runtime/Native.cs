@@ -4,7 +4,7 @@ using System;
 using System.Runtime.InteropServices;
 using System.Text;
 
-// Names and order are those of tandem/c/tandem.h; layouts are compared with it by the tests.
+// Names and order are those of tandem/c/tandem.h; the tests compare the layouts with it.
 namespace Tandem {
 
 /// <summary>IL2CPP finds it by this name, wherever it is declared.</summary>
@@ -71,13 +71,13 @@ internal delegate int AcceptFunction(IntPtr user, ColliderId collider);
 
 /// <summary>Worlds, bodies, shapes, joints, events, queries.</summary>
 internal static unsafe partial class Native {
-  /// <summary>The C interface and all that it needs in one file.</summary>
+  /// <summary>The C interface and its dependencies in one file.</summary>
   internal const string Library = "tandem_csharp";
   private const CallingConvention C = CallingConvention.Cdecl;
 
-  /// <summary>Defaults would be misplaced, or memory be written to, with another one.</summary>
+  /// <summary>With another version defaults would be misplaced, or memory overwritten.</summary>
   internal static void CheckVersion() {
-    const uint version = 2;  // of the header that the structs were written after
+    const uint version = 2;  // of the header that the structs follow
     if (tandem_c_version() == version) return;
     throw new TandemException(
         Result.Failed,
@@ -88,7 +88,7 @@ internal static unsafe partial class Native {
     if (result != Result.Ok) throw error.Thrown();
   }
 
-  /// <summary>UTF-8 that ends with 0.</summary>
+  /// <summary>UTF-8, zero-terminated.</summary>
   internal static byte[] Text(string text) {
     if (text == null) throw new ArgumentNullException(nameof(text));
     if (text.IndexOf('\0') >= 0) {

@@ -17,13 +17,14 @@ public sealed unsafe class Network : IDisposable {
     handle.Adopt(Native.tandem_network_create(&link, seed, startNs, &error), ref error);
   }
 
-  /// <summary>It is freed when all peers on it have been as well.</summary>
+  /// <summary>It is freed after all peers on it.</summary>
   public void Dispose() {
     foreach (var transport in transports) transport.Dispose();
     handle.Dispose();
   }
 
-  /// <summary>That of one peer, which has one only. It goes with the network.</summary>
+  /// <summary>The transport of one peer, which has only one. It is freed with the
+  /// network.</summary>
   public Transport Transport(ulong peer) {
     NativeError error;
     var made = Native.tandem_network_transport(handle, peer, &error);
@@ -32,15 +33,15 @@ public sealed unsafe class Network : IDisposable {
     return transport;
   }
 
-  /// <summary>Deliver what is due.</summary>
-  /// <param name="timeNs">never goes back</param>
+  /// <summary>Deliver packets that are due.</summary>
+  /// <param name="timeNs">never decreases</param>
   public void Advance(long timeNs) {
     NativeError error;
     Native.Check(Native.tandem_network_advance(handle, timeNs, &error), ref error);
   }
 }
 
-/// <summary>What another peer's application has sent. Untrusted.</summary>
+/// <summary>A message of another peer's application. Untrusted.</summary>
 public struct Message {
   public ulong From;
   public long StampNs;  // session time at which it was sent
@@ -48,15 +49,15 @@ public struct Message {
   public byte[] Payload;
 }
 
-/// <summary>Messages between peers, by topic: each once, those of a sender in their order, through
-/// losses and broken connections. All members of a session use one, or none sends any. A Session
-/// has its own.</summary>
+/// <summary>Messages between peers, by topic: each arrives once, those of a sender in order,
+/// despite losses and broken connections. All members of a session use a channel, or none does. A
+/// Session has its own.</summary>
 public sealed unsafe class Channel : IDisposable {
   private readonly ChannelHandle handle = new ChannelHandle();
   private readonly Transport below;
   private NativeEvent[] events = new NativeEvent[8];
 
-  /// <summary>What the peer is given in place of the transport.</summary>
+  /// <summary>The transport to give to the peer.</summary>
   public Transport Transport { get; }
 
   public Channel(Transport transport) {
@@ -69,14 +70,14 @@ public sealed unsafe class Channel : IDisposable {
     transport.Dependents.Add(this);
   }
 
-  /// <summary>It is freed when its peer has been as well.</summary>
+  /// <summary>It is freed after its peer.</summary>
   public void Dispose() {
     Transport.Dispose();
     handle.Dispose();
     below.Dependents.Remove(this);
   }
 
-  /// <summary>Before each Peer.BeforeStep.</summary>
+  /// <summary>Call before each Peer.BeforeStep.</summary>
   public void Poll(long nowNs) {
     NativeError error;
     var result = Native.tandem_channel_poll(handle, nowNs, &error);
@@ -84,8 +85,8 @@ public sealed unsafe class Channel : IDisposable {
     Native.Check(result, ref error);
   }
 
-  /// <summary>With the time of the last poll.</summary>
-  /// <param name="topic">64 bytes at most</param>
+  /// <summary>Stamped with the time of the last poll.</summary>
+  /// <param name="topic">at most 64 bytes</param>
   /// <param name="to">0: all</param>
   public void Send(string topic, byte[] payload = null, ulong to = 0) {
     NativeError error;
@@ -100,8 +101,8 @@ public sealed unsafe class Channel : IDisposable {
     Native.Check(result, ref error);
   }
 
-  /// <summary>Adds those that the last poll took in.</summary>
-  /// <returns>how many there were</returns>
+  /// <summary>Adds the messages of the last poll.</summary>
+  /// <returns>their number</returns>
   public int ReadMessages(List<Message> into) {
     var count = Count();
     if (count > events.Length) {

@@ -4,8 +4,8 @@ using System;
 
 namespace Tandem {
 
-/// <summary>Made of bodies of a world, which go with it as it is disposed of. Where the program
-/// removes one of its bodies by itself, nothing but that remains to be done with it.</summary>
+/// <summary>Made of bodies of a world; disposing of it removes them. If the program removes one of
+/// its bodies itself, it can only be disposed of.</summary>
 public abstract unsafe class Part : IDisposable {
   private readonly World world;
   private NativeHandle handle;
@@ -40,7 +40,7 @@ public sealed unsafe class Character : Part {
     Adopt(handle, Native.tandem_character_create(world.Handle, &def, &error), ref error);
   }
 
-  /// <summary>Before each step.</summary>
+  /// <summary>Call before each step.</summary>
   /// <param name="velocity">m/s, wanted, relative to the ground</param>
   /// <param name="dt">s, of the step</param>
   public void Walk(Vec3 velocity, double dt) {
@@ -48,7 +48,7 @@ public sealed unsafe class Character : Part {
     Native.Check(Native.tandem_character_walk(handle, velocity, dt, &error), ref error);
   }
 
-  /// <summary>The next walk leaves the ground, where it stands on some.</summary>
+  /// <summary>The next walk leaves the ground, if it stands on some.</summary>
   /// <param name="speed">m/s, >= 0</param>
   public void Jump(double speed) {
     NativeError error;
@@ -65,7 +65,7 @@ public sealed unsafe class Character : Part {
   }
 }
 
-/// <summary>A chassis on four wheels with springs, all of them driven and braked, the two in front
+/// <summary>A chassis on four sprung wheels, all driven and braked, the front ones
 /// steered.</summary>
 public sealed unsafe class Car : Part {
   private readonly CarHandle handle = new CarHandle();
@@ -75,21 +75,21 @@ public sealed unsafe class Car : Part {
     Adopt(handle, Native.tandem_car_create(world.Handle, &def, &error), ref error);
   }
 
-  /// <summary>Until it is called again.</summary>
-  /// <param name="throttle">-1, back, to 1</param>
-  /// <param name="steer">rad, to the left, of a wheel between those in front</param>
-  /// <param name="brake">0 to 1; above 0 nothing drives</param>
+  /// <summary>Holds until the next call.</summary>
+  /// <param name="throttle">-1, backwards, to 1</param>
+  /// <param name="steer">rad, to the left, of a virtual wheel between the front ones</param>
+  /// <param name="brake">0 to 1; above 0 the drive is off</param>
   public void Drive(double throttle, double steer, double brake) {
     NativeError error;
     Native.Check(Native.tandem_car_drive(handle, throttle, steer, brake, &error), ref error);
   }
 
-  /// <summary>Of the chassis, m/s, forward; 0 of a car whose chassis was removed.</summary>
+  /// <summary>Forward speed of the chassis, m/s; 0 if the chassis was removed.</summary>
   public double Speed => Native.tandem_car_speed(handle);
 
   /// <summary>The chassis, then the wheels: front left, front right, rear left, rear right. Fills
-  /// the array as far as it goes, which may be null.</summary>
-  /// <returns>how many there are</returns>
+  /// the array as far as it goes; it may be null.</summary>
+  /// <returns>the total number</returns>
   public int Bodies(BodyId[] into) {
     fixed (BodyId* bodies = into) {
       return (int)Native.tandem_car_bodies(handle, bodies, Capacity(into));
@@ -106,14 +106,15 @@ public sealed unsafe class Rope : Part {
     Adopt(handle, Native.tandem_rope_create(world.Handle, &def, &error), ref error);
   }
 
-  /// <summary>The particles, from one end to the other, as Car.Bodies.</summary>
+  /// <summary>The particles, from one end to the other, like Car.Bodies.</summary>
   public int Bodies(BodyId[] into) {
     fixed (BodyId* bodies = into) {
       return (int)Native.tandem_rope_bodies(handle, bodies, Capacity(into));
     }
   }
 
-  /// <summary>Hold a particle where it now is on a body. It touches nothing from then on.</summary>
+  /// <summary>Attach a particle at its present place to a body. From then on it collides with
+  /// nothing.</summary>
   public Attachment Attach(uint particle, BodyId host) {
     Attachment attachment;
     NativeError error;
@@ -132,7 +133,7 @@ public sealed unsafe class Cloth : Part {
     Adopt(handle, Native.tandem_cloth_create(world.Handle, &def, &error), ref error);
   }
 
-  /// <summary>The particles, row by row, as Car.Bodies.</summary>
+  /// <summary>The particles, row by row, like Car.Bodies.</summary>
   public int Bodies(BodyId[] into) {
     fixed (BodyId* bodies = into) {
       return (int)Native.tandem_cloth_bodies(handle, bodies, Capacity(into));
@@ -148,20 +149,20 @@ public sealed unsafe class Cloth : Part {
     return attachment;
   }
 
-  /// <summary>Each particle keeps within its distance of the nearest one that is attached by now:
-  /// what hangs does not stretch. Once, after what is attached.</summary>
+  /// <summary>Keeps each particle within its distance of the nearest attached one, so that hanging
+  /// cloth does not stretch. Call it once, after attaching.</summary>
   public void Tether() {
     NativeError error;
     Native.Check(Native.tandem_cloth_tether(handle, &error), ref error);
   }
 
-  /// <summary>A body at the mean of the cloth about a point, which can be held, pulled and
+  /// <summary>A body at the mean of the cloth around a point, which can be held, pulled and
   /// shared.</summary>
   /// <param name="u">0 to 1, along columns</param>
   /// <param name="v">0 to 1, along rows</param>
   /// <param name="reach">m, above the distance of particles</param>
-  /// <param name="share">above 0 and below 1: of the mass there, which goes from particles to the
-  /// body</param>
+  /// <param name="share">above 0 and below 1: fraction of the mass there that moves from the
+  /// particles to the body</param>
   public BodyId AddHandle(double u, double v, double reach, double share) {
     BodyId body;
     NativeError error;
@@ -171,8 +172,7 @@ public sealed unsafe class Cloth : Part {
   }
 }
 
-/// <summary>Somebody who has fainted: eleven bodies on ten joints with the limits of people's.
-/// </summary>
+/// <summary>An unconscious person: eleven bodies on ten joints with human limits.</summary>
 public sealed unsafe class Ragdoll : Part {
   private readonly RagdollHandle handle = new RagdollHandle();
 
@@ -182,7 +182,7 @@ public sealed unsafe class Ragdoll : Part {
   }
 
   /// <summary>Pelvis, chest, head, left upper arm and forearm, right upper arm and forearm, left
-  /// thigh and shin, right thigh and shin, as Car.Bodies.</summary>
+  /// thigh and shin, right thigh and shin, like Car.Bodies.</summary>
   public int Bodies(BodyId[] into) {
     fixed (BodyId* bodies = into) {
       return (int)Native.tandem_ragdoll_bodies(handle, bodies, Capacity(into));

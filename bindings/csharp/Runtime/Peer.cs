@@ -6,7 +6,7 @@ namespace Tandem {
 
 /// <summary>One participant of a session: shares bodies of a world with those of the other peers.
 /// Each step is BeforeStep(now), World.Step(dt), AfterStep(now + dt), with session times in ns,
-/// above 0. A Session does all that by itself.</summary>
+/// above 0. A Session does all that itself.</summary>
 public sealed unsafe class Peer : IDisposable {
   private readonly PeerHandle handle = new PeerHandle();
   private readonly World world;
@@ -30,7 +30,7 @@ public sealed unsafe class Peer : IDisposable {
     transport.Dependents.Remove(this);
   }
 
-  /// <param name="owner">the peer that alone moves it; 0 = nobody owns it</param>
+  /// <param name="owner">the peer that alone moves it; 0 = none</param>
   public SharedId Share(string name, BodyId body, ulong owner = 0) {
     var id = SharedId.Of(name);
     Share(id, body, owner);
@@ -57,7 +57,7 @@ public sealed unsafe class Peer : IDisposable {
     Check(Native.tandem_peer_after_step(handle, nowNs, &error), ref error);
   }
 
-  /// <summary>The other peers let go of this one's springs.</summary>
+  /// <summary>Tells the other peers to release this one's springs.</summary>
   public void Leave(long nowNs) {
     NativeError error;
     Check(Native.tandem_peer_leave(handle, nowNs, &error), ref error);
@@ -82,8 +82,8 @@ public sealed unsafe class Peer : IDisposable {
     Check(Native.tandem_peer_release(handle, grab, &error), ref error);
   }
 
-  /// <summary>Kick a shared body, or put it somewhere, here and as of the same session time at all
-  /// peers. Between steps.</summary>
+  /// <summary>Act on a shared body, here and, as of the same session time, at all peers. Call it
+  /// between steps.</summary>
   public void Act(ActDef def) {
     NativeError error;
     Check(Native.tandem_peer_act(handle, &def, &error), ref error);

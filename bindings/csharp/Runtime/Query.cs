@@ -7,12 +7,12 @@ namespace Tandem {
 
 /// <summary>Which colliders a query sees. Take Default and change it.</summary>
 public struct QueryFilter {
-  public uint Category, Mask;  // as of a collider; all, all
-  public int Group;            // likewise; 0
-  public BodyId Ignore;        // all colliders of that body are left out; BodyId.None
-  public bool Sensors;         // sensors too; false
-  public bool BackFaces;       // the backs of triangles stop rays and casts, too; false
-  /// <summary>Null: all. Called for candidates alone, in no special order.</summary>
+  public uint Category, Mask;  // as for a collider; all, all
+  public int Group;            // as for a collider; 0
+  public BodyId Ignore;        // skip all colliders of that body; BodyId.None
+  public bool Sensors;         // include sensors; false
+  public bool BackFaces;       // back faces of triangles stop rays and casts too; false
+  /// <summary>Null: all. Called for candidates only, in any order.</summary>
   public Func<ColliderId, bool> Accept;
 
   public static QueryFilter Default {
@@ -28,9 +28,9 @@ public struct QueryFilter {
   }
 }
 
-/// <summary>Rays, casts, overlaps and nearest places among the colliders of a world, as they were
-/// at the last Update. They fill arrays of the caller's, which may be null, and return how many
-/// there are; where room is for no more than one, only whether there is any.</summary>
+/// <summary>Rays, casts, overlaps and closest points among the colliders of a world, as of the last
+/// Update. They fill the caller's arrays, which may be null, and return the total number; if there
+/// is room for at most one, only whether there is any.</summary>
 public sealed unsafe class Query : IDisposable {
   private static readonly AcceptFunction acceptFunction = AcceptCollider;
   private static readonly IntPtr acceptPointer =
@@ -45,7 +45,7 @@ public sealed unsafe class Query : IDisposable {
     this.world = world ?? throw new ArgumentNullException(nameof(world));
     NativeError error;
     handle.Adopt(Native.tandem_query_create(world.Handle, &error), ref error, world.Handle);
-    // Weak: it must not keep itself.
+    // Weak, as it must not keep itself alive.
     handle.User = GCHandle.Alloc(this, GCHandleType.Weak);
     world.Dependents.Add(this);
   }
@@ -55,7 +55,7 @@ public sealed unsafe class Query : IDisposable {
     world.Dependents.Remove(this);
   }
 
-  /// <summary>Bodies have moved, colliders have changed: see the world as it is now.</summary>
+  /// <summary>Update the query to the present bodies and colliders.</summary>
   public void Update() {
     NativeError error;
     Native.Check(Native.tandem_query_update(handle, &error), ref error);
@@ -110,7 +110,7 @@ public sealed unsafe class Query : IDisposable {
     return End(result, count, ref error, outer);
   }
 
-  /// <summary>What is nearest, no further than `maxDistance` (m, >= 0).</summary>
+  /// <summary>The closest colliders, up to `maxDistance` (m, >= 0).</summary>
   /// <param name="shape">convex; null: a point</param>
   public int Closest(Shape shape, Pose pose, double maxDistance, QueryHit[] into,
                      QueryFilter? filter = null) {
@@ -128,7 +128,7 @@ public sealed unsafe class Query : IDisposable {
     return End(result, count, ref error, outer);
   }
 
-  /// <summary>What shares a point with the shape, in ascending order.</summary>
+  /// <summary>Colliders that share a point with the shape, in ascending order.</summary>
   /// <param name="shape">convex</param>
   public int Overlap(Shape shape, Pose pose, ColliderId[] into, QueryFilter? filter = null) {
     if (shape == null) throw new ArgumentNullException(nameof(shape));
@@ -147,7 +147,7 @@ public sealed unsafe class Query : IDisposable {
 
   private static UIntPtr Capacity(Array into) => (UIntPtr)(into == null ? 0 : into.Length);
 
-  // A filter's Accept may ask the same query again.
+  // A filter's Accept may use the same query.
   private struct Asking {
     public Func<ColliderId, bool> Accept;
     public Exception Failure;

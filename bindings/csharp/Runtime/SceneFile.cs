@@ -20,12 +20,12 @@ public struct NamedJoint {
   public JointId Joint;
 }
 
-/// <summary>A world that was made of a file, and the names and whatever else the file has beside
-/// it. Strangers' files may be read; an error names file, place in it, rule and value.</summary>
+/// <summary>A world made from a file, and the file's names and other data. Files are untrusted; an
+/// error names file, place in it, rule and value.</summary>
 public sealed unsafe class SceneFile : IDisposable {
   private readonly SceneFileHandle handle = new SceneFileHandle();
 
-  /// <summary>To be disposed of by itself, before or after the file.</summary>
+  /// <summary>Dispose of it separately, before or after the file.</summary>
   public World World { get; }
 
   private SceneFile(IntPtr world, IntPtr file, ref NativeError error) {
@@ -34,8 +34,8 @@ public sealed unsafe class SceneFile : IDisposable {
     World.Dependents.Add(this);
   }
 
-  /// <summary>One that ends in .gltf or .glb is glTF.</summary>
-  /// <param name="def">null: WorldDef.Default. Gravity is the file's where that says one.</param>
+  /// <summary>Names that end in .gltf or .glb are glTF.</summary>
+  /// <param name="def">null: WorldDef.Default. Its gravity counts if the file has none.</param>
   public static SceneFile Load(string path, WorldDef? def = null) {
     Native.CheckVersion();
     var worldDef = def ?? WorldDef.Default;
@@ -45,8 +45,8 @@ public sealed unsafe class SceneFile : IDisposable {
     return new SceneFile(world, file, ref error);
   }
 
-  /// <summary>The same of a text in memory.</summary>
-  /// <param name="folder">of glTF, where its buffers may be files</param>
+  /// <summary>The same from text in memory.</summary>
+  /// <param name="folder">for glTF, whose buffers may be files</param>
   public static SceneFile Parse(SceneFormat format, byte[] text, string folder = "",
                                 WorldDef? def = null) {
     if (text == null) throw new ArgumentNullException(nameof(text));
@@ -61,7 +61,7 @@ public sealed unsafe class SceneFile : IDisposable {
     }
   }
 
-  /// <summary>The world stays.</summary>
+  /// <summary>The world remains.</summary>
   public void Dispose() {
     handle.Dispose();
     World.Dependents.Remove(this);
@@ -94,7 +94,7 @@ public sealed unsafe class SceneFile : IDisposable {
     return named;
   }
 
-  /// <summary>What the file has and the world has not, with its place.</summary>
+  /// <summary>Parts of the file that the world lacks, with their places.</summary>
   public string[] Warnings() {
     var texts = new IntPtr[(int)Native.tandem_scene_file_warnings(handle, null, UIntPtr.Zero)];
     fixed (IntPtr* all = texts) {
@@ -120,8 +120,8 @@ public sealed unsafe class SceneFile : IDisposable {
     return joint;
   }
 
-  /// <summary>Where the frame of that name is now, world: of a body's shape, where World.State has
-  /// the centre of mass.</summary>
+  /// <summary>Present pose, world, of the frame of that name: for a body the frame of its shape,
+  /// while World.State has the centre of mass.</summary>
   public Pose Pose(string name) {
     Pose pose;
     NativeError error;
@@ -130,7 +130,7 @@ public sealed unsafe class SceneFile : IDisposable {
     return pose;
   }
 
-  /// <summary>One more body, from an element as Tandem's format has them in "bodies".</summary>
+  /// <summary>Add a body, from an element of "bodies" in Tandem's format.</summary>
   public static BodyId AddBody(World world, string text) {
     if (world == null) throw new ArgumentNullException(nameof(world));
     var bytes = Encoding.UTF8.GetBytes(text);
@@ -144,7 +144,7 @@ public sealed unsafe class SceneFile : IDisposable {
     return body;
   }
 
-  /// <summary>The world as text of Tandem's format, with the file's names.</summary>
+  /// <summary>The world as text in Tandem's format, with the file's names.</summary>
   public string Write() => Write(World, handle);
 
   /// <summary>Without names.</summary>

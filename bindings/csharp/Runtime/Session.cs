@@ -6,15 +6,15 @@ using System.Runtime.InteropServices;
 
 namespace Tandem {
 
-/// <summary>One participant of a session with all that it runs on: clock, steps of fixed length,
-/// peer, transport, messages. It steps its world, which nothing else may step meanwhile:
+/// <summary>One participant of a session with all its parts: clock, steps of fixed length, peer,
+/// transport, messages. It steps its world, which no other code may step meanwhile:
 ///
 ///     var session = new Session(world, new TcpOptions {Self = 1, ListenPort = 7777});
 ///     session.Share("cube", cube);
 ///     each frame:  session.Advance(session.Now);
 ///
-/// What it calls neither advances nor disposes of it; what that throws comes out of the call, which
-/// has run to its end.</summary>
+/// Callbacks must not advance or dispose of it; their exceptions leave the call, once it has
+/// completed.</summary>
 public sealed unsafe class Session : IDisposable {
   private readonly SessionHandle handle = new SessionHandle();
   private readonly World world;
@@ -47,8 +47,8 @@ public sealed unsafe class Session : IDisposable {
     }
   }
 
-  /// <summary>Over a transport of a network or the program's, and no channel's: a session has its
-  /// own messages.</summary>
+  /// <summary>With a transport of a network or the program's, but not a channel's: a session has
+  /// its own messages.</summary>
   public Session(World world, Transport transport, SessionOptions options = null)
       : this(world, options, transport) {
     if (transport == null) throw new ArgumentNullException(nameof(transport));
@@ -64,7 +64,7 @@ public sealed unsafe class Session : IDisposable {
   }
 
   private void Create(SessionOptions options, Creation create) {
-    // Weak: the handle keeps the calls, and goes when nobody has it any more.
+    // Weak: the handle keeps the calls alive, and is freed when it is unreachable.
     var user = GCHandle.Alloc(calls, GCHandleType.Weak);
     var def = calls.Def(options ?? new SessionOptions(), GCHandle.ToIntPtr(user));
     NativeError error;
@@ -80,7 +80,7 @@ public sealed unsafe class Session : IDisposable {
     world.Dependents.Add(this);
   }
 
-  /// <summary>Tells the others that it goes.</summary>
+  /// <summary>Announces that it leaves.</summary>
   public void Dispose() {
     handle.Dispose();
     world.Dependents.Remove(this);
@@ -89,7 +89,7 @@ public sealed unsafe class Session : IDisposable {
 
   public ulong Self => Native.tandem_session_self(handle);
 
-  /// <summary>Of its own socket; 0: there is none.</summary>
+  /// <summary>Port of its own socket; 0 if it has none.</summary>
   public int Port => Native.tandem_session_port(handle);
 
   /// <summary>Session time, ns.</summary>
@@ -101,12 +101,12 @@ public sealed unsafe class Session : IDisposable {
     }
   }
 
-  /// <summary>Make the steps that are due at `nowNs`, and only those: it waits for nothing. The
-  /// first call begins. Contacts of the world are those of the last step.</summary>
+  /// <summary>Make the steps that are due at `nowNs`, and only those; never blocks. The first call
+  /// begins. The world's contacts are those of the last step.</summary>
   /// <param name="beforeStep">called with the session time at which a step begins: to move hands,
-  /// push, read messages. Keep the delegate: a new one in each frame is for the collector.</param>
+  /// apply impulses, read messages. Keep the delegate: a new one in each frame is garbage.</param>
   public Progress Advance(long nowNs, Action<long> beforeStep = null) {
-    var outer = calls.OnStep;  // where it is called from within itself, which is refused
+    var outer = calls.OnStep;  // of an outer Advance, from which this call is refused
     calls.OnStep = beforeStep;
     Progress progress;
     NativeError error;
@@ -122,8 +122,8 @@ public sealed unsafe class Session : IDisposable {
     return progress;
   }
 
-  /// <summary>Share a body with all members that share one by the same name.</summary>
-  /// <param name="owner">the peer that alone moves it; 0 = nobody owns it</param>
+  /// <summary>Share a body with all members that share one under the same name.</summary>
+  /// <param name="owner">the peer that alone moves it; 0 = none</param>
   public SharedId Share(string name, BodyId body, ulong owner = 0) {
     SharedId id;
     NativeError error;
@@ -132,7 +132,8 @@ public sealed unsafe class Session : IDisposable {
     return id;
   }
 
-  /// <summary>All bodies of one thing, as "name/0", "name/1" and so on, or none of them.</summary>
+  /// <summary>Share all bodies of one object, as "name/0", "name/1" and so on, or none of
+  /// them.</summary>
   public void Share(string name, BodyId[] bodies, ulong owner = 0) {
     NativeError error;
     fixed (BodyId* all = bodies) {
@@ -148,7 +149,7 @@ public sealed unsafe class Session : IDisposable {
     Check(Native.tandem_session_unshare(handle, id, &error), ref error);
   }
 
-  /// <summary>The instance of a shared body here.</summary>
+  /// <summary>The local instance of a shared body.</summary>
   public BodyId Body(SharedId id) {
     BodyId body;
     NativeError error;
@@ -164,8 +165,8 @@ public sealed unsafe class Session : IDisposable {
     return grab;
   }
 
-  /// <param name="anchor">where the hand is as the next step begins, m, world</param>
-  /// <returns>whether it still holds: it was not released, and its body is there</returns>
+  /// <param name="anchor">position of the hand when the next step begins, m, world</param>
+  /// <returns>whether it still holds: not once it is released or its body is removed</returns>
   public bool Move(uint grab, Vec3 anchor) {
     int holds;
     NativeError error;
@@ -173,7 +174,7 @@ public sealed unsafe class Session : IDisposable {
     return holds != 0;
   }
 
-  /// <summary>Let go, if it still holds.</summary>
+  /// <summary>Release it, if it still holds.</summary>
   public void Release(uint grab) {
     NativeError error;
     Check(Native.tandem_session_release(handle, grab, &error), ref error);
@@ -185,9 +186,9 @@ public sealed unsafe class Session : IDisposable {
     Check(Native.tandem_session_act(handle, &def, &error), ref error);
   }
 
-  /// <summary>Make a body at every member, the later ones included, and share it.</summary>
-  /// <param name="what">what SessionOptions.Make is given at every member, 512 bytes of UTF-8 at
-  /// most</param>
+  /// <summary>Make a body at every member, later ones included, and share it.</summary>
+  /// <param name="what">argument of SessionOptions.Make at every member, at most 512 bytes of
+  /// UTF-8</param>
   /// <param name="twist">null: at rest</param>
   public SharedId Spawn(string what, Pose pose, Twist? twist = null) {
     var moving = twist.GetValueOrDefault();
@@ -199,15 +200,15 @@ public sealed unsafe class Session : IDisposable {
     return id;
   }
 
-  /// <summary>Remove a body at every member that any of them has spawned.</summary>
+  /// <summary>Remove a body that any member has spawned, at every member.</summary>
   public void Despawn(SharedId id) {
     NativeError error;
     Check(Native.tandem_session_despawn(handle, id, &error), ref error);
   }
 
-  /// <summary>Who has connected during the last Advance. Fills the array as far as it goes, which
+  /// <summary>Peers that connected during the last Advance. Fills the array as far as it goes; it
   /// may be null.</summary>
-  /// <returns>how many there are</returns>
+  /// <returns>the total number</returns>
   public int Joined(ulong[] into) {
     fixed (ulong* peers = into) {
       return (int)Native.tandem_session_joined(handle, peers,
@@ -215,7 +216,7 @@ public sealed unsafe class Session : IDisposable {
     }
   }
 
-  /// <summary>Likewise whose connection has ended.</summary>
+  /// <summary>The same for peers that disconnected.</summary>
   public int Left(ulong[] into) {
     fixed (ulong* peers = into) {
       return (int)Native.tandem_session_left(handle, peers,
@@ -224,7 +225,7 @@ public sealed unsafe class Session : IDisposable {
   }
 
   /// <summary>Adds all peers ever seen, by ascending id.</summary>
-  /// <returns>how many there are</returns>
+  /// <returns>their number</returns>
   public int ReadMembers(List<Member> into) {
     if (into == null) throw new ArgumentNullException(nameof(into));
     var count = CountMembers();
@@ -240,8 +241,7 @@ public sealed unsafe class Session : IDisposable {
   }
 
   /// <summary>It leaves before the next step.</summary>
-  /// <param name="topic">64 bytes at most; those that begin with "tandem." are the
-  /// session's</param>
+  /// <param name="topic">at most 64 bytes; those that begin with "tandem." are reserved</param>
   /// <param name="to">0: all</param>
   public void Send(string topic, byte[] payload = null, ulong to = 0) {
     NativeError error;
@@ -254,9 +254,9 @@ public sealed unsafe class Session : IDisposable {
     }
   }
 
-  /// <summary>Adds what has come during the last Advance, from within `beforeStep` up to that
-  /// step.</summary>
-  /// <returns>how many there were</returns>
+  /// <summary>Adds the messages received during the last Advance, within `beforeStep` those up to
+  /// that step.</summary>
+  /// <returns>their number</returns>
   public int ReadMessages(List<Message> into) {
     var count = CountEvents();
     if (count > events.Length) {

@@ -11,17 +11,17 @@ namespace Tandem {
 public sealed class SessionOptions {
   public double Rate;   // steps a second, 0.1 to 1e4; 60
   public PeerDef Peer;  // PeerDef.Default
-  public uint MaxSpawned;       // bodies at a time, of all members, > 0; 1024
-  public uint MaxSpawnedOfOne;  // likewise of one member; 256
+  public uint MaxSpawned;       // bodies alive, of all members, > 0; 1024
+  public uint MaxSpawnedOfOne;  // bodies alive, of one member; 256
 
-  /// <summary>Makes the body that a text describes, which has come from another member
-  /// (untrusted) or from Session.Spawn; null: there is no such thing. The session sets where it is.
-  /// All members have Make and Remove, or none has.</summary>
+  /// <summary>Makes the body that a text describes, which comes from another member (untrusted) or
+  /// from Session.Spawn; null: the text is unknown. The session sets its pose. All members have
+  /// Make and Remove, or none has.</summary>
   public Func<string, BodyId?> Make;
-  /// <summary>Takes a body out of the world that Make has made.</summary>
+  /// <summary>Removes a body made by Make from the world.</summary>
   public Action<BodyId> Remove;
-  /// <summary>Session time, ns; null: the transport's, where it has one, else the system's clock.
-  /// </summary>
+  /// <summary>Session time, ns; null: the transport's, if it has one, else the system's
+  /// clock.</summary>
   public Func<long> Clock;
 
   public SessionOptions() {
@@ -35,30 +35,30 @@ public sealed class SessionOptions {
 
 public enum StepStatus {
   Ok = 0,
-  NonFinite = 1,  // a body became NaN or infinite and was put back
-  Invalid = 2     // session time is below a step: none was made
+  NonFinite = 1,  // a body became NaN or infinite and was reset
+  Invalid = 2     // session time is less than a step: none was made
 }
 
-/// <summary>What Session.Advance did.</summary>
+/// <summary>Result of Session.Advance.</summary>
 [StructLayout(LayoutKind.Sequential)]
 public struct Progress {
   public int Steps;
   public StepStatus Status;  // of the first step that was not Ok
-  public long SkippedNs;     // of session time that were jumped over
-  public long LagNs;         // that the world is behind
-  public long HeldNs;        // > 0: session time is behind by so much, nothing moves
+  public long SkippedNs;     // of session time, skipped
+  public long LagNs;         // by which the world is behind
+  public long HeldNs;        // > 0: session time is behind by this, nothing moves
   private int steppedElsewhere;
 
-  /// <summary>Something else has stepped the world since the last call.</summary>
+  /// <summary>Other code has stepped the world since the last call.</summary>
   public bool SteppedElsewhere => steppedElsewhere != 0;
 }
 
 [StructLayout(LayoutKind.Sequential)]
 public struct SessionStats {
   public PeerStats Peer;
-  public ulong SpawnsRefused;   // requests of other members to spawn or despawn
-  public ulong EventsLost;      // too much waited for somebody
-  public ulong EventsRejected;  // packets that could not be read
+  public ulong SpawnsRefused;   // other members' requests to spawn or despawn
+  public ulong EventsLost;      // because too many waited
+  public ulong EventsRejected;  // packets that could not be decoded
 }
 
 /// <summary>Another peer as the transport sees it.</summary>
@@ -66,14 +66,14 @@ public struct Member {
   public ulong Id;
   public bool Connected;
   public string Reason;     // why it is not connected
-  public double RoundTrip;  // s, smoothed; -1: not known
-  public double KbitPerS;   // what the way there bears now; 0: not known
+  public double RoundTrip;  // s, smoothed; -1 = unknown
+  public double KbitPerS;   // capacity of the path now; 0 = unknown
   public ulong PacketsIn, PacketsOut, BytesIn, BytesOut;
 }
 
-/// <summary>Where the library calls a session's program.</summary>
+/// <summary>The library's calls into a session's program.</summary>
 internal sealed unsafe class SessionCalls {
-  // Kept for ever: the library has their addresses.
+  // Never collected, as the library has their addresses.
   private static readonly MakeFunction makeFunction = Make;
   private static readonly RemoveFunction removeFunction = Remove;
   private static readonly ClockFunction clockFunction = Clock;
@@ -106,7 +106,7 @@ internal sealed unsafe class SessionCalls {
     return def;
   }
 
-  /// <summary>After each call of the library's that may have called the program.</summary>
+  /// <summary>Call after each call of the library that may have called the program.</summary>
   internal void Rethrow() {
     if (failure == null) return;
     var thrown = failure;
@@ -126,7 +126,7 @@ internal sealed unsafe class SessionCalls {
       if (made.HasValue) *body = made.Value;
       return made.HasValue ? 1 : 0;
     } catch (Exception thrown) {
-      calls.failure = thrown;  // it must not pass through the library
+      calls.failure = thrown;  // exceptions must not pass through the library
       return 0;
     }
   }

@@ -16,8 +16,7 @@ public enum ShapeKind {
   Heights = 8
 }
 
-/// <summary>Does not change, and may be used again and again. Arrays are kept, not copied: leave
-/// them as they are.</summary>
+/// <summary>Immutable and reusable. Arrays are kept, not copied: do not change them.</summary>
 public sealed unsafe class Shape {
   public ShapeKind Kind => native.Kind;
 
@@ -36,7 +35,7 @@ public sealed unsafe class Shape {
     native.TriangleCount = (UIntPtr)(triangles == null ? 0 : triangles.Length / 3);
   }
 
-  /// <summary>What the library reads, while the arrays are pinned.</summary>
+  /// <summary>The struct for the library, valid while the arrays are pinned.</summary>
   internal NativeShape At(Vec3* points, uint* triangles, double* heights) {
     var shape = native;
     shape.Points = points;
@@ -51,7 +50,7 @@ public sealed unsafe class Shape {
     return shape;
   }
 
-  /// <param name="halfExtents">m, halves of its edges</param>
+  /// <param name="halfExtents">m, half its edges</param>
   public static Shape Box(Vec3 halfExtents) {
     var shape = new Shape(ShapeKind.Box);
     shape.native.HalfExtents = halfExtents;
@@ -142,8 +141,8 @@ public struct ColliderDef {
   public Pose Local;           // of the shape in the body's frame
   public double Friction;      // 0.5
   public double Restitution;   // 0 to 1; 0
-  public uint Category, Mask;  // two meet where each one's category is in the other's mask; 1, all
-  public int Group;            // equal and > 0: always meet, equal and < 0: never; 0
+  public uint Category, Mask;  // two collide if each one's category is in the other's mask; 1, all
+  public int Group;            // equal and > 0: always collide, equal and < 0: never; 0
   public bool Sensor;          // makes no contacts, only events; false
 
   public static ColliderDef Of(BodyId body, Shape shape) {

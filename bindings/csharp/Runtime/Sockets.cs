@@ -21,7 +21,7 @@ public sealed unsafe class Key {
 
   private Key() {}
 
-  /// <summary>A new one, of the system's generator.</summary>
+  /// <summary>A new key from the system's generator.</summary>
   public static Key Make() {
     var key = new Key();
     NativeError error;
@@ -31,7 +31,7 @@ public sealed unsafe class Key {
     return key;
   }
 
-  /// <summary>The key to give to the others.</summary>
+  /// <summary>The public key to give to others.</summary>
   public Key Public {
     get {
       var key = new Key();
@@ -44,7 +44,7 @@ public sealed unsafe class Key {
     }
   }
 
-  /// <summary>Of a public key: a peer's id that nobody without its secret can have.</summary>
+  /// <summary>The peer id of a public key: only the owner of its secret can use it.</summary>
   public ulong Peer {
     get {
       fixed (NativeKey* key = &native) return Native.tandem_key_peer(key);
@@ -60,28 +60,29 @@ public sealed unsafe class Key {
   internal NativeKey Value => native;
 }
 
-/// <summary>Who may take part where frames are protected.</summary>
+/// <summary>Who may take part in a protected session.</summary>
 public sealed class Credentials {
-  /// <summary>The same of all members, not zero.</summary>
+  /// <summary>The same for all members, not zero.</summary>
   public Key SessionKey;
-  /// <summary>Secret of this peer; null: a new one.</summary>
+  /// <summary>Secret of this peer; null = a new one.</summary>
   public Key Identity;
-  /// <summary>Public keys of other peers; neither they nor an organiser: any member.</summary>
+  /// <summary>Public keys of accepted peers. With neither these nor an organiser: any
+  /// member.</summary>
   public readonly Dictionary<ulong, Key> Trusted = new Dictionary<ulong, Key>();
-  /// <summary>Public key of whose certificates let others in; null: none.</summary>
+  /// <summary>Public key of the organiser, whose certificates admit peers; null = none.</summary>
   public Key Organiser;
-  /// <summary>Of this peer, where there is an organiser.</summary>
+  /// <summary>Of this peer, if there is an organiser.</summary>
   public byte[] Certificate;
 }
 
-/// <summary>What one process brings to a session over TCP.</summary>
+/// <summary>Options of one process in a session over TCP.</summary>
 public sealed class TcpOptions {
   public ulong Self;            // unique in the session, never 0
-  public ulong SceneHash;       // peers with another one are refused; 0
-  public int ListenPort;        // 0: a free one, see Session.Port; -1: it only dials; -1
-  public bool Insecure;         // no key and yet other addresses than loopback ones; false
+  public ulong SceneHash;       // peers with a different one are refused; 0
+  public int ListenPort;        // 0: a free one, see Session.Port; -1: dials only; -1
+  public bool Insecure;         // allows other addresses than loopback without a key; false
   public string ListenAddress;  // numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4
-  public string[] Connect;      // "HOST:PORT" of others; one is enough; null: none
+  public string[] Connect;      // "HOST:PORT" of peers; one is enough; null: none
   public readonly Credentials Credentials = new Credentials();  // no session key: loopback only
 
   public TcpOptions() {
@@ -102,24 +103,24 @@ public sealed class TcpOptions {
   }
 }
 
-/// <summary>Where session time comes from.</summary>
+/// <summary>Source of session time.</summary>
 public enum ClockSource {
   Session = 0,  // agreed on in the session
   System = 1,   // hosts are disciplined by PTP or NTP
-  None = 2      // each peer has its own; states are dated where they arrive
+  None = 2      // each peer has its own; states are dated on arrival
 }
 
-/// <summary>What one process brings to a session over UDP, which is encrypted always.</summary>
+/// <summary>Options of one process in a session over UDP, which is always encrypted.</summary>
 public sealed class UdpOptions {
   public ulong Self;            // unique in the session, never 0
-  public ulong SceneHash;       // peers with another one are refused; 0
+  public ulong SceneHash;       // peers with a different one are refused; 0
   public int ListenPort;        // 0: a free one, see Session.Port; 0
   public ClockSource Clock;     // Session
   public string ListenAddress;  // numeric; null: "0.0.0.0"; "::" is IPv6 and IPv4
-  public string[] Connect;      // "HOST:PORT" of others; one is enough; null: none
+  public string[] Connect;      // "HOST:PORT" of peers; one is enough; null: none
   public readonly Credentials Credentials = new Credentials();  // with a session key
   public double KbitPerS;       // budget of each link, headers counted; 256
-  public bool Relay;  // pass on for peers that do not reach each other, and be passed on; true
+  public bool Relay;  // forward for peers without a route, and be forwarded for; true
 
   public UdpOptions() {
     Native.tandem_udp_def_init(out var def);
@@ -144,7 +145,7 @@ public sealed class UdpOptions {
   }
 }
 
-/// <summary>What the library reads during one call.</summary>
+/// <summary>Memory that the library reads during one call.</summary>
 internal sealed unsafe class NativeMemory : IDisposable {
   private readonly List<IntPtr> blocks = new List<IntPtr>();
 

@@ -12,7 +12,7 @@ public enum Result {
   Failed = 4
 }
 
-/// <summary>What the library refused, in its own words: field, value and rule. Nothing has
+/// <summary>A refused call, with the library's text: field, value and rule. Nothing has
 /// changed.</summary>
 public sealed class TandemException : Exception {
   public Result Result { get; }

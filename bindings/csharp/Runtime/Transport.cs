@@ -7,26 +7,26 @@ using System.Text;
 
 namespace Tandem {
 
-/// <summary>A transport of the program's. It is called during calls of a peer or a session alone,
-/// by their thread, and must not call back into them. What it throws comes out of that call.
-/// </summary>
+/// <summary>A transport of the program's. It is called only during calls of a peer or a session, on
+/// their thread, and must not call back into them. Its exceptions leave that call.</summary>
 public interface ITransport {
   /// <summary>This peer; unique in the session, never 0.</summary>
   ulong Self { get; }
-  /// <summary>Bytes of the longest packet that it takes: 512 to 61440; 0 is 61440.</summary>
+  /// <summary>Bytes of the longest packet that it accepts: 512 to 61440; 0 is 61440.</summary>
   int MaxPacket { get; }
-  /// <summary>Must not wait, and copies what it keeps: the buffer is used again.</summary>
-  /// <returns>whether the first `size` bytes were taken</returns>
+  /// <summary>Must not block, and must copy what it keeps: the buffer is reused.</summary>
+  /// <returns>whether it accepted the first `size` bytes</returns>
   bool Post(ulong to, byte[] packet, int size, Delivery delivery);
-  /// <summary>Gives each packet that has come since, as it was posted, to the inbox.</summary>
+  /// <summary>Gives each packet received since the last call to the inbox, as it was
+  /// posted.</summary>
   void Drain(Inbox inbox);
-  /// <summary>Names each peer ever seen, by ascending id.</summary>
+  /// <summary>Adds each peer ever seen, by ascending id.</summary>
   void ListPeers(PeerList list);
-  /// <summary>Cut a peer off: what it sends cannot be understood.</summary>
+  /// <summary>Disconnect a peer that sends undecodable packets.</summary>
   void Drop(ulong peer, string reason);
 }
 
-/// <summary>Valid during the call of ITransport.Drain that is given it.</summary>
+/// <summary>Valid during the call of ITransport.Drain that receives it.</summary>
 public unsafe struct Inbox {
   private readonly ReceiveFunction receive;
   private readonly IntPtr inbox;
@@ -42,7 +42,7 @@ public unsafe struct Inbox {
   }
 }
 
-/// <summary>Valid during the call of ITransport.ListPeers that is given it.</summary>
+/// <summary>Valid during the call of ITransport.ListPeers that receives it.</summary>
 public struct PeerList {
   private readonly ListPeerFunction list;
   private readonly IntPtr into;
@@ -58,16 +58,16 @@ public struct PeerList {
 /// <summary>Carries bytes between peers: of a Network, of a Channel, or the program's.</summary>
 public sealed unsafe class Transport : IDisposable {
   internal readonly TransportHandle Handle = new TransportHandle();
-  /// <summary>Where the program is called; null of a network's.</summary>
+  /// <summary>The calls into the program; null for a network's.</summary>
   internal readonly TransportCalls Calls;
-  /// <summary>Of it and of what it runs on, as World.Dependents.</summary>
+  /// <summary>Dependents of it and of its parents, as World.Dependents.</summary>
   internal readonly List<object> Dependents;
 
   public Transport(ITransport transport) {
     if (transport == null) throw new ArgumentNullException(nameof(transport));
     Calls = new TransportCalls(transport);
     Dependents = new List<object>();
-    // Weak: the handle keeps it, and goes when nobody has it any more.
+    // Weak: the handle keeps it alive, and is freed when it is unreachable.
     var user = GCHandle.Alloc(Calls, GCHandleType.Weak);
     var def = Calls.Def(GCHandle.ToIntPtr(user));
     NativeError error;
@@ -78,7 +78,7 @@ public sealed unsafe class Transport : IDisposable {
     Handle.Calls = Calls;
   }
 
-  /// <summary>One that the parent owns.</summary>
+  /// <summary>A transport that the parent owns.</summary>
   internal Transport(IntPtr made, ref NativeError error, SafeHandle parent, TransportCalls calls,
                      List<object> dependents) {
     Handle.Adopt(made, ref error, parent);
@@ -86,13 +86,13 @@ public sealed unsafe class Transport : IDisposable {
     Dependents = dependents;
   }
 
-  /// <summary>It is freed when what runs on it has been as well.</summary>
+  /// <summary>It is freed after everything that runs on it.</summary>
   public void Dispose() => Handle.Dispose();
 }
 
-/// <summary>Where the library calls a transport of the program's.</summary>
+/// <summary>The library's calls into a transport of the program's.</summary>
 internal sealed unsafe class TransportCalls {
-  // Kept for ever: the library has their addresses.
+  // Never collected, as the library has their addresses.
   private static readonly PostFunction postFunction = Post;
   private static readonly DrainFunction drainFunction = Drain;
   private static readonly PeersFunction peersFunction = ListPeers;
@@ -101,7 +101,7 @@ internal sealed unsafe class TransportCalls {
   private readonly ITransport transport;
   private byte[] packet = new byte[2048];
   private Exception failure;
-  // The library's functions, which are the same in each call.
+  // The library's functions, the same in each call.
   private IntPtr receivePointer, listPointer;
   private ReceiveFunction receive;
   private ListPeerFunction list;
@@ -119,7 +119,7 @@ internal sealed unsafe class TransportCalls {
       Drop = Marshal.GetFunctionPointerForDelegate(dropFunction),
       MaxPacket = (UIntPtr)transport.MaxPacket};
 
-  /// <summary>After each call of the library's that may have called it.</summary>
+  /// <summary>Call after each call of the library that may have called the transport.</summary>
   internal void Rethrow() {
     if (failure == null) return;
     var thrown = failure;
@@ -140,7 +140,7 @@ internal sealed unsafe class TransportCalls {
       if (count > 0) Marshal.Copy((IntPtr)bytes, calls.packet, 0, count);
       return calls.transport.Post(to, calls.packet, count, delivery) ? 1 : 0;
     } catch (Exception thrown) {
-      calls.failure = thrown;  // it must not pass through the library
+      calls.failure = thrown;  // exceptions must not pass through the library
       return 0;
     }
   }

@@ -5,8 +5,8 @@ using UnityEngine;
 
 namespace Tandem {
 
-/// <summary>Between Unity's types and axes and ours (Frame.Unity). A Transform of a body has no
-/// scaled parent.</summary>
+/// <summary>Converts between Unity's types and axes and ours (Frame.Unity). A body's Transform must
+/// not have a scaled parent.</summary>
 public static class UnityConversions {
   public static Vector3 ToUnity(this Vec3 v) => Vector(Frame.Unity.To(v));
   public static Vec3 ToTandem(this Vector3 v) => Frame.Unity.From(Vector(v));
@@ -20,7 +20,7 @@ public static class UnityConversions {
     return new Quaternion((float)to.X, (float)to.Y, (float)to.Z, (float)to.W);
   }
 
-  /// <summary>Of unit length, which Unity's is in single precision alone.</summary>
+  /// <summary>Normalised, as Unity's are unit in single precision only.</summary>
   public static Quat ToTandem(this Quaternion q) {
     var from = Frame.Unity.From(new Quat(q.x, q.y, q.z, q.w));
     var s = 1.0 / System.Math.Sqrt(from.X * from.X + from.Y * from.Y + from.Z * from.Z +
@@ -31,11 +31,11 @@ public static class UnityConversions {
   /// <summary>Half extents of a box whose edges are `size` (m) in Unity.</summary>
   public static Vec3 ToHalfExtents(this Vector3 size) => Frame.Unity.Size(0.5 * Vector(size));
 
-  /// <summary>Where a Transform is.</summary>
+  /// <summary>Pose of a Transform.</summary>
   public static Pose ToTandem(this Transform transform) =>
       new Pose(transform.position.ToTandem(), transform.rotation.ToTandem());
 
-  /// <summary>Puts a Transform where a body is.</summary>
+  /// <summary>Moves a Transform to a body's pose.</summary>
   public static void Show(this Transform transform, Pose pose) =>
       transform.SetPositionAndRotation(pose.Position.ToUnity(), pose.Orientation.ToUnity());
 

@@ -3,7 +3,7 @@
 using System;
 using System.Runtime.InteropServices;
 
-// Laid out as their namesakes in tandem/c/tandem.h: they cross to it without being copied.
+// Laid out like their namesakes in tandem/c/tandem.h: they are passed without a copy.
 namespace Tandem {
 
 [StructLayout(LayoutKind.Sequential)]
@@ -117,12 +117,13 @@ public struct Mat3 {
       new Mat3 {XX = x, YY = y, ZZ = z};
 }
 
-/// <summary>A body of a world. One that was removed is an error and never another body.</summary>
+/// <summary>A body of a world. The id of a removed body is an error, and never refers to another
+/// one.</summary>
 [StructLayout(LayoutKind.Sequential)]
 public struct BodyId : IEquatable<BodyId> {
   public uint Index, Generation;
 
-  /// <summary>Stands for the world where a joint or an event names a body.</summary>
+  /// <summary>The world, where a joint or an event names a body.</summary>
   public static BodyId None => new BodyId {Index = uint.MaxValue};
 
   public bool Equals(BodyId other) => Index == other.Index && Generation == other.Generation;
@@ -159,7 +160,7 @@ public struct JointId : IEquatable<JointId> {
 public struct SharedId : IEquatable<SharedId> {
   public ulong High, Low;
 
-  /// <summary>The id that belongs to a name.</summary>
+  /// <summary>The id of a name.</summary>
   public static SharedId Of(string name) => Native.tandem_shared_id_of(Native.Text(name));
 
   public bool Equals(SharedId other) => High == other.High && Low == other.Low;

@@ -5,12 +5,12 @@ using System.Collections.Generic;
 
 namespace Tandem {
 
-/// <summary>Bodies, shapes, joints, and the solver that steps them. One thread at a time may use a
-/// world and its peers.</summary>
+/// <summary>Bodies, shapes, joints, and the solver that steps them. A world and its peers may be
+/// used by one thread at a time.</summary>
 public sealed unsafe partial class World : IDisposable {
   internal readonly WorldHandle Handle = new WorldHandle();
-  /// <summary>Queries, peers, characters and so on of it: the collector, which has a thread
-  /// of its own, frees none of them while the world is in use.</summary>
+  /// <summary>Its queries, peers, characters and so on: the collector, which has its own thread,
+  /// frees none of them while the world is in use.</summary>
   internal readonly List<object> Dependents = new List<object>();
 
   public World() : this(WorldDef.Default) {}
@@ -21,12 +21,12 @@ public sealed unsafe partial class World : IDisposable {
     Handle.Adopt(Native.tandem_world_create(&def, &error), ref error);
   }
 
-  /// <summary>One that was made elsewhere.</summary>
+  /// <summary>A world made elsewhere.</summary>
   internal World(IntPtr made, ref NativeError error) {
     Handle.Adopt(made, ref error);
   }
 
-  /// <summary>It is freed when all that belongs to it has been as well.</summary>
+  /// <summary>It is freed after everything that belongs to it.</summary>
   public void Dispose() => Handle.Dispose();
 
   /// <param name="dt">s, 1e-5 to 1e6</param>
@@ -42,7 +42,7 @@ public sealed unsafe partial class World : IDisposable {
     Native.Check(Native.tandem_world_set_gravity(Handle, gravity, &error), ref error);
   }
 
-  /// <summary>Equal bits, equal hash.</summary>
+  /// <summary>Equal for bitwise equal worlds.</summary>
   public ulong Hash => Native.tandem_world_hash(Handle);
 
   /// <summary>Everything that the next step and its events depend on.</summary>
@@ -53,8 +53,8 @@ public sealed unsafe partial class World : IDisposable {
     return bytes;
   }
 
-  /// <summary>Into a buffer that is replaced where it is too small.</summary>
-  /// <returns>bytes of it that are the snapshot</returns>
+  /// <summary>Into a buffer, which is replaced if it is too small.</summary>
+  /// <returns>bytes of the snapshot</returns>
   public int Snapshot(ref byte[] buffer) {
     while (true) {
       var size = (UIntPtr)(buffer == null ? 0 : buffer.Length);
@@ -70,7 +70,8 @@ public sealed unsafe partial class World : IDisposable {
     }
   }
 
-  /// <summary>Of a world that was built the same way. The bytes may be anybody's.</summary>
+  /// <summary>Restores a snapshot of a world that was built the same way. The input is
+  /// untrusted.</summary>
   public void Restore(byte[] bytes) => Restore(bytes, bytes == null ? 0 : bytes.Length);
 
   public void Restore(byte[] bytes, int size) {
@@ -122,14 +123,14 @@ public sealed unsafe partial class World : IDisposable {
     Native.Check(Native.tandem_joint_remove(Handle, joint, &error), ref error);
   }
 
-  /// <summary>Of a hinge or a slider.</summary>
+  /// <summary>For a hinge or a slider.</summary>
   public void SetMotor(JointId joint, MotorMode mode, double target, double maxForce) {
     NativeError error;
     Native.Check(Native.tandem_joint_set_motor(Handle, joint, mode, target, maxForce, &error),
                  ref error);
   }
 
-  /// <summary>A motor as soft as a spring and a damper. N/m and N s/m, or N m/rad and N m
+  /// <summary>A motor with a spring and a damper. N/m and N s/m, or N m/rad and N m
   /// s/rad.</summary>
   public void SetServo(JointId joint, MotorMode mode, double target, double stiffness,
                        double damping, double maxForce) {
@@ -139,8 +140,8 @@ public sealed unsafe partial class World : IDisposable {
                  ref error);
   }
 
-  /// <summary>A particle of a rope or a cloth goes its way again, and still touches nothing.
-  /// </summary>
+  /// <summary>Releases a particle of a rope or a cloth, which still collides with
+  /// nothing.</summary>
   public void RemoveAttachment(Attachment attachment) {
     NativeError error;
     Native.Check(Native.tandem_attachment_remove(Handle, attachment, &error), ref error);
@@ -163,9 +164,9 @@ public sealed unsafe partial class World : IDisposable {
     return broken != 0;
   }
 
-  /// <summary>Events of the last step, where the world collects them: fills the array as far as
-  /// it goes, which may be null.</summary>
-  /// <returns>how many there are</returns>
+  /// <summary>Events of the last step, if the world collects them: fills the array as far as it
+  /// goes; it may be null.</summary>
+  /// <returns>the total number</returns>
   public int Contacts(ContactList list, Contact[] into) {
     fixed (Contact* contacts = into) {
       return (int)Native.tandem_world_contacts(Handle, list, contacts,
@@ -173,7 +174,7 @@ public sealed unsafe partial class World : IDisposable {
     }
   }
 
-  /// <summary>Likewise.</summary>
+  /// <summary>Hits of the last step, like Contacts.</summary>
   public int Hits(Hit[] into) {
     fixed (Hit* hits = into) {
       return (int)Native.tandem_world_hits(Handle, hits,

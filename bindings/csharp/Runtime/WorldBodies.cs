@@ -4,7 +4,7 @@ using System;
 
 namespace Tandem {
 
-/// <summary>What is asked of bodies, and done to them.</summary>
+/// <summary>Bodies: states, forces and motions.</summary>
 public sealed unsafe partial class World {
   public BodyId AddBody(BodyDef def) {
     BodyId body;
@@ -13,9 +13,8 @@ public sealed unsafe partial class World {
     return body;
   }
 
-  /// <summary>A body of one shape, whose mass is that of the shape. Cones, hulls and the like lie
-  /// so that `pose` is that of the shape's frame; the body's is that of its centre of mass.
-  /// </summary>
+  /// <summary>A body of one shape, with the shape's mass. `pose` is that of the shape's frame; the
+  /// body's is that of its centre of mass, which differs for cones, hulls and the like.</summary>
   /// <param name="density">kg/m^3; of dynamic bodies</param>
   public BodyId AddBody(BodyType type, Shape shape, Pose pose, double density = 1000.0) {
     if (shape == null) throw new ArgumentNullException(nameof(shape));
@@ -42,7 +41,7 @@ public sealed unsafe partial class World {
     return body;
   }
 
-  /// <summary>With its colliders and joints.</summary>
+  /// <summary>Also removes its colliders and joints.</summary>
   public void RemoveBody(BodyId body) {
     NativeError error;
     Native.Check(Native.tandem_body_remove(Handle, body, &error), ref error);
@@ -59,11 +58,11 @@ public sealed unsafe partial class World {
     return state;
   }
 
-  /// <summary>Of many at once, which costs least.</summary>
+  /// <summary>States of many bodies at once, which is cheapest.</summary>
   public void States(BodyId[] bodies, BodyState[] states) =>
       States(bodies, bodies == null ? 0 : bodies.Length, states);
 
-  /// <summary>Of the first `count`.</summary>
+  /// <summary>States of the first `count`.</summary>
   public void States(BodyId[] bodies, int count, BodyState[] states) {
     Native.CheckCount(nameof(count), count, bodies);
     Native.CheckCount(nameof(count), count, states);
@@ -85,13 +84,13 @@ public sealed unsafe partial class World {
     Native.Check(Native.tandem_body_set_twist(Handle, body, &twist, &error), ref error);
   }
 
-  /// <summary>A kinematic body is there after the next step.</summary>
+  /// <summary>The kinematic body arrives there in the next step.</summary>
   public void MoveTo(BodyId body, Pose pose) {
     NativeError error;
     Native.Check(Native.tandem_body_move_to(Handle, body, &pose, &error), ref error);
   }
 
-  /// <summary>During the next step, N.</summary>
+  /// <summary>Acts during the next step, N.</summary>
   /// <param name="point">m, world; null: the centre of mass</param>
   public void ApplyForce(BodyId body, Vec3 force, Vec3? point = null) {
     var at = point.GetValueOrDefault();
@@ -101,13 +100,13 @@ public sealed unsafe partial class World {
                  ref error);
   }
 
-  /// <summary>During the next step, N m.</summary>
+  /// <summary>Acts during the next step, N m.</summary>
   public void ApplyTorque(BodyId body, Vec3 torque) {
     NativeError error;
     Native.Check(Native.tandem_body_apply_torque(Handle, body, torque, &error), ref error);
   }
 
-  /// <summary>At once, N s.</summary>
+  /// <summary>Acts at once, N s.</summary>
   /// <param name="point">m, world; null: the centre of mass</param>
   public void ApplyImpulse(BodyId body, Vec3 impulse, Vec3? point = null) {
     var at = point.GetValueOrDefault();

@@ -3,18 +3,18 @@
 using System;
 using Tandem;
 
-/// <summary>One person's copy of a room with a table: the other has one, too, and both carry it.
-/// Nothing in here is Unity's.</summary>
+/// <summary>One person's copy of a room with a table, which two people carry. Independent of
+/// Unity.</summary>
 public sealed class TableRoom : IDisposable {
-  /// <summary>m: halves of the top's edges, and of a leg's.</summary>
+  /// <summary>m: half edges of the top, and of a leg.</summary>
   public static readonly Vec3 Top = new Vec3(0.8, 0.4, 0.02), Leg = new Vec3(0.03, 0.03, 0.35);
   public static readonly Vec3[] Legs = {
       new Vec3(0.7, 0.3, -0.37), new Vec3(-0.7, 0.3, -0.37), new Vec3(0.7, -0.3, -0.37),
       new Vec3(-0.7, -0.3, -0.37)};
-  /// <summary>m: of the top's middle, where the table stands.</summary>
+  /// <summary>m: height of the top's middle when the table stands.</summary>
   public const double Height = 0.72;
 
-  /// <summary>ns: of a step.</summary>
+  /// <summary>ns, step length.</summary>
   public const long StepNs = 16666667;
 
   public readonly World World = new World();
@@ -40,10 +40,10 @@ public sealed class TableRoom : IDisposable {
     Hand = Pose.Position + attachment;
   }
 
-  /// <summary>Of this copy.</summary>
+  /// <summary>Pose of this copy.</summary>
   public Pose Pose => World.State(Table).Pose;
 
-  /// <summary>m: where this person's hand is.</summary>
+  /// <summary>m: position of this person's hand.</summary>
   public Vec3 Hand { get; set; }
 
   public bool Holds { get; private set; }

@@ -4,8 +4,8 @@ using System.Collections.Generic;
 using Tandem;
 using UnityEngine;
 
-/// <summary>Put it on an empty GameObject and play: two people carry a table. Each has a world of
-/// its own, with a link between them; both copies of the table are seen, two metres apart.</summary>
+/// <summary>Put it on an empty GameObject and play: two people carry a table. Each has a world,
+/// with a link between them; both copies of the table are shown, two metres apart.</summary>
 public sealed class TableScene : MonoBehaviour {
   [Tooltip("s, one way, between the two")]
   public float latency = 0.06f;
@@ -37,7 +37,7 @@ public sealed class TableScene : MonoBehaviour {
 
   private void Update() {
     foreach (var person in people) Lead(person);
-    // No more than what a slow frame may catch up with.
+    // At most what a slow frame can catch up with.
     due = System.Math.Min(due + Time.deltaTime, 0.1);
     const double dt = 1e-9 * TableRoom.StepNs;
     for (; due >= dt; due -= dt) {
@@ -65,7 +65,7 @@ public sealed class TableScene : MonoBehaviour {
   private static float Axis(KeyCode less, KeyCode more) =>
       (Input.GetKey(more) ? 1f : 0f) - (Input.GetKey(less) ? 1f : 0f);
 
-  /// <summary>A table to be seen; where it is, is for Tandem to say.</summary>
+  /// <summary>A visible table; Tandem sets its pose.</summary>
   private Transform Build(Vector3 place) {
     var room = new GameObject("Room").transform;
     room.SetParent(transform, false);
