@@ -17,8 +17,8 @@
 namespace tandem::python {
 namespace {
 
-/// Scenes that are stepped together. Each has a storage of its own, so that one array of all
-/// states is a copy; what was written to it is seen by comparing with what was put there.
+/// Scenes that are stepped together. Each has its own storage, so one array of all states is a
+/// copy; writes to it are found by comparison with its last contents.
 class Batch {
  public:
   Batch(std::vector<CorePtr> scenes, int threads)
@@ -91,15 +91,15 @@ class Batch {
   std::span<pbd::BodyState> shown(std::size_t i) { return {shown_ + i * rows_, rows_}; }
   std::span<pbd::BodyState> known(std::size_t i) { return {known_.data() + i * rows_, rows_}; }
 
-  /// Show the states of scene i. Threads may do it for distinct scenes.
+  /// Copy the states of scene i to the array. Threads may do it for distinct scenes.
   void publish(std::size_t i) {
     const auto states = scenes_[i]->states();
     std::copy(states.begin(), states.end(), shown(i).begin());
     std::copy(states.begin(), states.end(), known(i).begin());
   }
 
-  /// Take over what was written to the array. It shows that when it is published.
-  /// @throws as Core::scene(), too
+  /// Apply what was written to the array, which shows the result once it is published.
+  /// @throws also as Core::scene()
   void take_writes() {
     for (const CorePtr& core : scenes_) {
       core->scene();
@@ -111,7 +111,7 @@ class Batch {
         Access scene(*scenes_[i]);
         set_rows(scene->world(), known(i), shown(i));
       } catch (const std::invalid_argument& error) {
-        // This world and those behind it.
+        // This world and the following ones.
         std::copy(known_.begin() + static_cast<std::ptrdiff_t>(i * rows_), known_.end(),
                   shown_ + i * rows_);
         throw std::invalid_argument("world " + std::to_string(i) + ": " + error.what());
@@ -124,7 +124,7 @@ class Batch {
   pbd::Workers workers_;
   py::array_t<double> array_;
   pbd::BodyState* shown_;              ///< the numbers of array_
-  std::vector<pbd::BodyState> known_;  ///< what was last put there
+  std::vector<pbd::BodyState> known_;  ///< last contents
 };
 
 }  // namespace

@@ -29,7 +29,7 @@ void set_twist(const Body& body, const pbd::Twist& twist) {
 
 void move_to(const Body& body, const py::object& position, const py::object& orientation) {
   Pose target{vec3(position, "position"), quat(orientation, "orientation")};
-  // The world knows centres of mass only.
+  // The world stores centres of mass.
   const Pose shape = body.core->scene().pose(body.id);
   const Vec3 centre = world(body).pose(body.id).position;
   if (centre != shape.position) target.position = target.to_world(shape.to_local(centre));
@@ -72,7 +72,7 @@ void bind_forces(py::class_<Body>& c) {
       [](const Body& b, const py::object& force, const py::object& point) {
         const Vec3 f = vec3(force, "force");
         if (point.is_none()) return world(b).apply_force(b.id, f);
-        // The lever is about where the body is now.
+        // The lever is about the body's present position.
         Access(*b.core)->world().apply_force(b.id, f, vec3(point, "point"));
       },
       py::arg("force"), py::arg("point") = py::none(),
@@ -146,7 +146,7 @@ False
       "shapes",
       [](const Body& b) {
         py::list shapes;
-        world(b).props(b.id);  // refuses those that are gone
+        world(b).props(b.id);  // refuses removed bodies
         for (const py::handle part : parts_of(b.core->scene(), {&b.id.index, 1})) {
           const auto fields = py::reinterpret_borrow<py::tuple>(part);
           shapes.append(py::make_tuple(fields[1], fields[2], fields[3]));

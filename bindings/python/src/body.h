@@ -14,8 +14,8 @@ struct Body {
   friend bool operator==(const Body&, const Body&) = default;
 };
 
-/// The body in `core`, or the world's invalid id where there is none.
-/// @throws std::invalid_argument naming the field, where it is one of another scene
+/// The body in `core`, or the world's invalid id if there is none.
+/// @throws std::invalid_argument naming the field, if the body is of another scene
 BodyId id_in(const Core& core, const std::optional<Body>& body, const char* field);
 
 }  // namespace tandem::python

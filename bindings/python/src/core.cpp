@@ -42,7 +42,7 @@ void set_rows(pbd::World& world, std::span<const pbd::BodyState> known,
   };
   each_changed([&](std::uint32_t slot) { check_row(world, slot, wanted[slot]); });
   each_changed([&](std::uint32_t slot) {
-    // A copy: `wanted` may be the world's own storage.
+    // A copy, as `wanted` may be the world's own storage.
     const pbd::BodyState row = wanted[slot];
     const BodyId id = world.body_at(slot);
     const bool moved = std::memcmp(&known[slot].pose, &row.pose, sizeof row.pose) != 0;
@@ -63,8 +63,8 @@ SceneFile& Core::file() {
 }
 
 std::span<pbd::BodyState> Core::storage() {
-  // The world's own vector, which is not const. It is written to by arrays alone, and set_rows()
-  // makes of that what the world has to know.
+  // The world's own vector, which is not const. Only arrays write to it, and set_rows() passes the
+  // changes on to the world.
   const auto states = file_.scene.world().states();
   return {const_cast<pbd::BodyState*>(states.data()), states.size()};
 }
@@ -98,7 +98,7 @@ void Core::let_in(const std::function<void()>& use) {
   --busy_;
   remember();
   use();
-  scene();  // nobody else has begun
+  scene();  // refuses if another thread has begun
   take_writes();
 }
 

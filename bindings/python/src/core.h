@@ -22,40 +22,41 @@ inline constexpr py::ssize_t kStateSize = 13;
 static_assert(sizeof(pbd::BodyState) == kStateSize * sizeof(double));
 static_assert(offsetof(pbd::BodyState, twist) == 7 * sizeof(double));
 
-/// Of equally many rows.
+/// Both have the same number of rows.
 bool same_bits(std::span<const pbd::BodyState> l, std::span<const pbd::BodyState> r);
 
-/// Rows of `wanted` that differ from those of `known` become the states of their bodies, as
-/// World::set_pose() and set_twist() would set them.
-/// @throws std::invalid_argument naming row, value and rule; nothing is then set
+/// Sets the bodies of rows of `wanted` that differ from `known`, as World::set_pose() and
+/// set_twist() would.
+/// @throws std::invalid_argument naming row, value and rule; then nothing is set
 void set_rows(pbd::World& world, std::span<const pbd::BodyState> known,
               std::span<const pbd::BodyState> wanted);
 
-/// What all objects of one scene hold. Arrays of its states are its storage, so that the scene
-/// sees late what was written to them: each Access first takes over the rows that have changed.
-/// All of it under the GIL but what Busy covers.
+/// Common state of all objects of one scene. Arrays of its states are its storage, so that the
+/// scene sees writes late: each Access first applies the changed rows. All under the GIL but the
+/// scope of Busy.
 class Core : public std::enable_shared_from_this<Core> {
  public:
   explicit Core(const SceneOptions& options) : Core(SceneFile{.scene = tandem::Scene(options)}) {}
   explicit Core(SceneFile file) : file_(std::move(file)) { file_.scene.joints(); }
 
-  /// For what neither needs states that arrays have changed nor changes any.
+  /// For uses that neither need nor change states in arrays.
   /// @throws std::runtime_error while another thread steps
   tandem::Scene& scene();
-  /// With the names of a file, where it came from one. @throws likewise
+  /// With the names of a file, if it came from one. @throws as above
   SceneFile& file();
   /// One row for each slot. The array keeps the storage alive.
   py::array state();
-  /// @throws py::buffer_error where an array would have to move
+  /// @throws py::buffer_error if an array would have to move
   void require_room(std::size_t slots) const;
-  /// For so many bodies more; removed ones' rows are taken first. @throws likewise
+  /// For this number of additional bodies; rows of removed bodies are reused first. @throws as
+  /// above
   void require_room_for(std::size_t bodies) const;
 
-  /// All rows, by slot; whatever was written, and from any thread.
+  /// All rows, by slot, including unapplied writes; from any thread.
   std::span<const pbd::BodyState> states() const { return file_.scene.world().states(); }
   std::size_t slots() const { return states().size(); }
 
-  /// How often it was put back: what has an id may then be another body than before.
+  /// Number of restores: an id may then denote another body than before.
   std::uint32_t restores = 0;
 
   /// While steps run without the GIL.
@@ -70,8 +71,8 @@ class Core : public std::enable_shared_from_this<Core> {
     Core& core_;
   };
 
-  /// Within a Busy, and again with the GIL: the scene may be used as if there was none.
-  /// @throws what `use` throws; std::invalid_argument where it wrote what may not be
+  /// Within a Busy, with the GIL held again: the scene may be used as if there was no Busy.
+  /// @throws what what `use` throws; std::invalid_argument if it wrote invalid states
   void let_in(const std::function<void()>& use);
 
  private:
@@ -82,17 +83,17 @@ class Core : public std::enable_shared_from_this<Core> {
 
   SceneFile file_;
   int busy_ = 0;
-  int arrays_ = 0;                     ///< that are alive
+  int arrays_ = 0;                     ///< alive
   bool watched_ = false;               ///< an array may have been written to
-  std::vector<pbd::BodyState> known_;  ///< storage as it was last seen, where watched
+  std::vector<pbd::BodyState> known_;  ///< last state of the storage, if watched
 };
 
-/// The scene, for what needs or changes states. What was written to its arrays is taken over, and
-/// it is known what arrays show afterwards.
+/// Access to the scene that needs or changes states: applies writes to its arrays, and records what
+/// they show afterwards.
 class Access {
  public:
-  /// @throws std::invalid_argument where something was written that may not be; all rows are then
-  ///   as they were. As Core::scene(), too.
+  /// @throws std::invalid_argument if an invalid state was written; then all rows are as before.
+  /// Also as Core::scene().
   explicit Access(Core& core) : core_(core) {
     core.scene();
     core.take_writes();

@@ -16,7 +16,7 @@ namespace {
 
 using Limits = std::optional<std::pair<double, double>>;
 
-/// What all joints have in common.
+/// Parameters of all joints.
 struct Strength {
   double compliance = 0.0;
   double damping = 0.0;
@@ -39,7 +39,7 @@ void limit(pbd::JointAxis& axis, const Limits& limits) {
   std::tie(axis.lower, axis.upper) = *limits;
 }
 
-/// Add what `make` gives for the world and the two bodies.
+/// Add the joint that `make` returns for the world and the two bodies.
 template <class Make>
 Joint add_joint(Core& core, const std::optional<Body>& a, const std::optional<Body>& b,
                 Make&& make) {
@@ -49,7 +49,7 @@ Joint add_joint(Core& core, const std::optional<Body>& a, const std::optional<Bo
   return {core.shared_from_this(), scene->add_joint(make(scene->world(), id_a, id_b))};
 }
 
-/// The one coordinate that a hinge or a slider leaves.
+/// The free coordinate of a hinge or a slider.
 pbd::JointAxis& free_axis(pbd::SixDofJointDef& def) {
   pbd::JointAxis* axis = nullptr;
   int count = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Keywords from Python. What is not given keeps the definition's default: there is one list of
-// them.
+// Keyword arguments from Python. Absent ones keep the definition's defaults, so that there is only
+// one list of defaults.
 #pragma once
 
 #include <pybind11/stl.h>
@@ -16,7 +16,7 @@
 
 namespace tandem::python {
 
-/// @throws py::type_error as Python does for its own functions
+/// @throws py::type_error like Python's own functions
 void require_known(const py::kwargs& given, const char* function,
                    std::initializer_list<std::string_view> known);
 
@@ -40,7 +40,7 @@ inline void take(const py::kwargs& given, const char* name, Quat& field) {
   if (given.contains(name)) field = quat(given[name], name);
 }
 
-/// One of these words, by its place. @throws std::invalid_argument naming them
+/// One of these words, as an index. @throws std::invalid_argument naming them
 template <class Enum>
 void take_word(const py::kwargs& given, const char* name,
                std::initializer_list<std::string_view> words, Enum& field) {

@@ -42,7 +42,7 @@ std::uint64_t seed_of(const py::kwargs& given) {
   return seed;
 }
 
-/// It begins a second after 0, which is no session time.
+/// Starts one second after 0, as 0 is no session time.
 class Virtual final : public Network {
  public:
   explicit Virtual(const py::kwargs& given)
@@ -111,7 +111,7 @@ net::Key key_of(const py::handle& value) {
     if (c >= '0' && c <= '9') return c - '0';
     if (c >= 'a' && c <= 'f') return c - 'a' + 10;
     if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    // Not the text: it is a secret, or nearly one.
+    // Without the text, which may be a secret.
     pbd::detail::refuse("key", kRule, "something else");
   };
   if (text.size() != 2 * key.size()) {

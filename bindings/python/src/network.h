@@ -14,14 +14,14 @@
 
 namespace tandem::python {
 
-/// What sessions go through.
+/// Network of a session.
 class Network {
  public:
   virtual ~Network() = default;
-  /// Keeps nothing but what is handed in; must outlive the session.
+  /// Keeps only references to its arguments; must outlive the session.
   virtual std::unique_ptr<tandem::Session> open(const Simulation& simulation, PeerId self,
                                                 const SessionOptions& options) = 0;
-  /// Of a session that it opened; 0 where there is none.
+  /// Port of a session that it opened; 0 if there is none.
   virtual std::uint16_t port(consensus::Transport&) const { return 0; }
   /// Whether its time passes by itself, so that a session can wait for its next step.
   virtual bool runs() const { return true; }

@@ -7,7 +7,7 @@
 namespace tandem::python {
 namespace {
 
-/// In its place.
+/// Placeholder for builds without it.
 class Udp final : public Network {
  public:
   std::unique_ptr<tandem::Session> open(const Simulation&, PeerId, const SessionOptions&) override {

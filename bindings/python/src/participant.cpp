@@ -53,7 +53,7 @@ py::object as_function(py::object function, const char* name) {
   return function;
 }
 
-/// Below the traceback, from Python 3.11 on.
+/// Shown below the traceback, from Python 3.11 on.
 void note(const py::error_already_set& error, const std::string& text) {
   if (py::hasattr(error.value(), "add_note")) error.value().attr("add_note")(text);
 }
@@ -140,7 +140,7 @@ void Participant::on_join(const py::object& joined) {
   joined_ = as_function(joined, "on_join");
   session.on_join([this](PeerId who) {
     call([&] {
-      // A copy: it may set another one.
+      // A copy, as it may set another one.
       if (const py::object function = joined_; !function.is_none()) function(who);
     });
   });
@@ -156,7 +156,7 @@ void Participant::on_leave(const py::object& left) {
   });
 }
 
-/// A transport may take a moment to tell the others: meanwhile other threads go on.
+/// A transport may take a moment to notify the others: other threads run meanwhile.
 void Participant::end() {
   std::unique_ptr<tandem::Session> gone = std::move(session_);
   if (!gone) return;
@@ -187,8 +187,8 @@ void Participant::between(tandem::Session& session, SessionTime at, const py::ob
   });
 }
 
-/// A function of the program's, from within advance() or from a call of the program's: it has the
-/// GIL, and the scene as if there was no step.
+/// Calls a function of the program, from within advance() or from a call of the program: with the
+/// GIL, and access to the scene as if there was no step.
 void Participant::call(const std::function<void()>& use) {
   const py::gil_scoped_acquire acquired;
   struct Call {
@@ -196,7 +196,7 @@ void Participant::call(const std::function<void()>& use) {
     ~Call() { --count; }
     int& count;
   };
-  const bool within = calls_ > 0 || !advancing_;  // the scene is the program's already
+  const bool within = calls_ > 0 || !advancing_;  // the program has access already
   const Call counted(calls_);
   if (within) return use();
   core_->let_in(use);
@@ -214,9 +214,9 @@ BodyId Participant::make(std::string_view what) {
       }
       made = id_in(*core_, body.cast<Body>(), "Session: what make returns");
     } catch (py::error_already_set& error) {
-      // There is no such thing: it is another member's fault, or the one's who calls spawn().
+      // Unknown `what`: a fault of another member, or of the caller of spawn().
       if (error.matches(PyExc_ValueError)) throw std::invalid_argument(py::str(error.value()));
-      // A fault of the program's. Others may have asked for it, in the midst of advance().
+      // A fault of the program, maybe in a request of another member in the middle of advance().
       note(error, "in Session's make(" +
                       std::string(py::repr(py::bytes(what.data(), what.size()))) +
                       "), which may raise ValueError or return None for what it does not know");

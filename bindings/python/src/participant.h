@@ -15,7 +15,7 @@
 
 namespace tandem::python {
 
-/// How old remote states are when they are used.
+/// Mean age of remote states when they are used.
 class Ages final : public consensus::PeerObserver {
  public:
   void on_estimate(const consensus::EstimateEvent& event) override {
@@ -30,8 +30,8 @@ class Ages final : public consensus::PeerObserver {
   std::uint64_t count_ = 0;
 };
 
-/// A participant, with the scene and the network that it runs on. Under the GIL but what advance()
-/// does between calls of the program's functions.
+/// A participant with its scene and network. Under the GIL, except advance() between calls of the
+/// program's functions.
 class Participant : public std::enable_shared_from_this<Participant> {
  public:
   Participant(CorePtr core, std::shared_ptr<Network> network, PeerId self, const py::kwargs& given);
@@ -53,7 +53,7 @@ class Participant : public std::enable_shared_from_this<Participant> {
   void run(const py::object& before_step, std::optional<double> seconds);
   void stop() { stopped_ = true; }
 
-  /// None: nobody is told.
+  /// None: no callback.
   void on_join(const py::object& joined);
   void on_leave(const py::object& left);
 
@@ -68,14 +68,14 @@ class Participant : public std::enable_shared_from_this<Participant> {
   CorePtr core_;
   std::shared_ptr<Network> network_;
   Ages ages_;
-  // The session's functions call these, which so are gone with close(), and under the GIL.
+  // Called by the session under the GIL, and released by close().
   py::object make_ = py::none(), remove_ = py::none();
   py::object joined_ = py::none(), left_ = py::none();
-  std::unique_ptr<tandem::Session> session_;  ///< null once it is closed
+  std::unique_ptr<tandem::Session> session_;  ///< null once closed
   SessionTime step_ = 0;                      ///< ns
   std::optional<SessionTime> at_;             ///< of the step to come, within before_step
   std::vector<consensus::Event> events_;      ///< of the last advance()
-  int calls_ = 0;                             ///< of the program's functions, at hand
+  int calls_ = 0;                             ///< running calls of the program's functions
   bool advancing_ = false;
   bool stopped_ = false;
 };

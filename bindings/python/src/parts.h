@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What characters, cars, ropes, cloth and ragdolls have in common: each is made of bodies of a
-// scene, which it keeps alive.
+// Common parts of characters, cars, ropes, cloth and ragdolls: each is made of bodies of a scene,
+// which it keeps alive.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@
 
 namespace tandem::python {
 
-/// What holds a particle of a rope or of a cloth on a body.
+/// Attaches a particle of a rope or of a cloth to a body.
 struct Attachment {
   CorePtr core;
   pbd::ClothRowId id;
@@ -26,14 +26,14 @@ void take_filter(const py::kwargs& given, collision::Filter& filter);
 void take_material(const py::kwargs& given, collision::Material& material);
 
 std::vector<Body> bodies_of(const CorePtr& core, std::span<const BodyId> ids);
-/// Where their centres of mass are: n x 3, a copy. @throws where one has been removed
+/// Centres of mass: n x 3, a copy. @throws if one has been removed
 py::array_t<double> points_of(Core& core, std::span<const BodyId> ids);
 bool all_there(Core& core, std::span<const BodyId> ids);
-/// @throws std::invalid_argument where one has been removed
+/// @throws std::invalid_argument if one has been removed
 void require_there(Core& core, std::span<const BodyId> ids, const char* name);
 void remove_all(Core& core, std::span<const BodyId> ids);
 
-/// From 0 to count - 1; negative ones count from the end, as those of Python's sequences do.
+/// From 0 to count - 1; negative ones count from the end, as in Python's sequences.
 /// @throws std::invalid_argument naming the field
 int place_of(int index, std::size_t count, const char* field);
 

@@ -54,7 +54,7 @@ py::dict limbs(const RagdollPart& p) {
 
 py::dict limb_joints(const RagdollPart& p) {
   py::dict result;
-  for (std::size_t i = 1; i < kPartNames.size(); ++i) {  // nothing holds the pelvis
+  for (std::size_t i = 1; i < kPartNames.size(); ++i) {  // the pelvis is the root
     result[kPartNames[i]] = Joint{p.core, p.ragdoll.joint(static_cast<tandem::Ragdoll::Part>(i))};
   }
   return result;

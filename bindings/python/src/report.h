@@ -6,7 +6,7 @@
 
 namespace tandem::python {
 
-/// What a step did, to be kept; the engine's own is a reference into its solver.
+/// A copy of a step's report; the engine's is a reference into its solver.
 struct Report {
   Report(const pbd::StepReport& step, double at) : report(step), time(at) {}
   pbd::StepReport report;

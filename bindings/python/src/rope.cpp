@@ -33,7 +33,7 @@ RopeDef rope_def(const py::kwargs& given) {
   take(given, "damping", def.damping);
   take_material(given, def.material);
   take_filter(given, def.filter);
-  // By their names here: "from" is a word of the language.
+  // By their Python names: "from" is a keyword.
   pbd::detail::require_finite(def.from, "Rope", "start");
   pbd::detail::require_finite(def.to, "Rope", "end");
   return def;
@@ -55,7 +55,7 @@ Attachment attach_rope(RopePart& p, int particle, const Body& host) {
   return {p.core, p.rope.attach(static_cast<std::size_t>(place), body)};
 }
 
-/// The scene's block of cloth and ropes that has it; null where none has.
+/// The scene's block of cloth and ropes that contains it; null if none does.
 pbd::ClothBlock* block_of(const Attachment& a) {
   for (const auto& block : a.core->scene().world().blocks()) {
     auto* const cloth = dynamic_cast<pbd::ClothBlock*>(block.get());

@@ -18,7 +18,7 @@
 namespace tandem::python {
 namespace {
 
-/// What save() gives.
+/// Result of save().
 struct Snapshot {
   pbd::WorldCopy copy;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Scenes from files and as text, and the names that they have there.
+// Scenes from files and as text, and their names.
 #include <pybind11/stl/filesystem.h>
 
 #include <exception>
@@ -38,7 +38,7 @@ CorePtr parse(const std::string& text, const py::kwargs& given) {
 }
 
 Body find(Core& core, const std::string& name) {
-  // "" would find the first one without a name.
+  // "" would find the first body without a name.
   const BodyId id = name.empty() ? BodyId{} : core.file().find(name);
   if (!core.scene().world().contains(id)) {
     pbd::detail::refuse("Scene.find: name", "that of a body of the file that is still there",
@@ -56,7 +56,7 @@ Joint find_joint(Core& core, const std::string& name) {
   return {core.shared_from_this(), id};
 }
 
-/// In the file's order, each once; of what is still there.
+/// In the file's order, each once; of existing objects.
 template <class List, class Contains>
 std::vector<std::string> names_in(const List& list, Contains&& contains) {
   std::vector<std::string> result;
@@ -96,7 +96,7 @@ std::string write(Core& core) {
   return write_scene(core.file());
 }
 
-/// Messages cite the file, which may be no UTF-8.
+/// Messages cite the file, which may not be UTF-8.
 void translate(std::exception_ptr thrown) {
   try {
     std::rethrow_exception(std::move(thrown));

@@ -6,7 +6,7 @@
 
 namespace tandem::python {
 
-/// Of all functions that make scenes. @throws as require_known() and take() do
+/// For all functions that make scenes. @throws as require_known() and take() do
 SceneOptions options_of(const py::kwargs& given, const char* function);
 
 }  // namespace tandem::python

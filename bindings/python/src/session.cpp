@@ -23,7 +23,7 @@ struct Grab {
   void release() { of->peer().release(id); }
 };
 
-/// What share() was told, or the 128 bits that spawn() gave.
+/// Argument of share(), or the 128 bits returned by spawn().
 using Name = std::variant<std::string, py::int_>;
 
 SharedId named(const Name& name) {
@@ -46,7 +46,7 @@ std::string text_of(const Name& name) {
   return py::repr(std::get<py::int_>(name));
 }
 
-/// What is wrong with an id is told of its name.
+/// Errors about an id use its name.
 template <class Call>
 auto of_name(const Name& name, Call&& call) {
   try {
@@ -294,7 +294,7 @@ before_step(now) is called before each of them: to move hands, push and read eve
            R"(Send a message of the application, which comes once and in order.
 
 to: a peer, 0 = all that are there. It leaves with the next step. Returns to how many.)")
-      // Copies: the next advance() has others in their place.
+      // Copies, as the next advance() replaces them.
       .def_property_readonly(
           "events", [](const Participant& of) { return std::vector(of.events()); },
           "what has come in the last advance(), or so far within before_step")

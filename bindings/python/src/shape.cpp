@@ -13,7 +13,7 @@
 namespace tandem::python {
 namespace {
 
-/// A type of its own for Python, of which one asks nothing: the C++ shape has it all.
+/// A Python type per kind; the C++ shape has all the data.
 template <int kind>
 struct Kind : ShapeValue {};
 using SphereValue = Kind<0>;
@@ -35,13 +35,13 @@ Value checked(collision::Shape shape) {
   return value;
 }
 
-/// The alternative that a value of this type has.
+/// The alternative for this type.
 template <class Shape>
 const Shape& get(const ShapeValue& value) {
   return std::get<Shape>(value.shape);
 }
 
-/// Spheres, capsules and their like: a radius, and half a height where they have one.
+/// Spheres, capsules and the like: a radius, and half a height if they have one.
 template <class Value, class Shape>
 void bind_round(py::module_& m, const char* name, const char* doc) {
   py::class_<Value, ShapeValue> bound(m, name, doc);
@@ -66,7 +66,7 @@ MeshValue make_mesh(const py::object& vertices, const py::object& triangles) {
   for (const Vec3& row : points(triangles, "Mesh: triangles")) {
     collision::TriangleMesh::Triangle triangle;
     for (int i = 0; i < 3; ++i) {
-      // make() refuses what is out of range; what has no unsigned value must not be converted.
+      // make() refuses values out of range; the conversion must not see them.
       const bool whole = row[i] >= 0.0 && row[i] < 4294967295.0;
       triangle[static_cast<std::size_t>(i)] =
           whole ? static_cast<std::uint32_t>(row[i]) : collision::TriangleMesh::kNone;

@@ -11,12 +11,12 @@ struct ShapeValue {
   collision::Shape shape;
 };
 
-/// One shape of several on a body.
+/// One of several shapes of a body.
 struct PartValue {
   collision::CompoundPart part;
 };
 
-/// The shape as what it is in Python: a Sphere, a Box ...
+/// The shape as its Python type: a Sphere, a Box ...
 py::object object_of(const collision::Shape& shape);
 
 }  // namespace tandem::python

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What tandem.view() shows of a scene: all bodies in one call, as it is made for every frame.
+// Data for tandem.view(): all bodies in one call, which is made for every frame.
 #include "shown.h"
 
 #include <algorithm>
@@ -16,9 +16,9 @@ namespace {
 
 using Rows = py::array_t<std::uint32_t, py::array::c_style | py::array::forcecast>;
 
-/// How often the scene was restored; then for each body, by row: index and generation; type (0
-/// static, 1 kinematic, 2 dynamic) and whether it is awake; position (m) and orientation (x, y, z,
-/// w) of its shape's frame.
+/// The number of restores; then for each body, by row: index and generation; type (0 static, 1
+/// kinematic, 2 dynamic) and whether it is awake; position (m) and orientation (x, y, z, w) of its
+/// shape's frame.
 py::tuple shown(Core& core) {
   const Access scene(core);
   const pbd::World& world = core.scene().world();
@@ -68,7 +68,7 @@ py::list parts_of(const tandem::Scene& scene, std::span<const std::uint32_t> row
   py::list parts;
   for (const Part& part : found) {
     const collision::ColliderDef& def = shapes.collider(shapes.collider_at(part.slot));
-    // Colliders lie in the frame of the centre of mass.
+    // Colliders are relative to the centre of mass.
     const Vec3 position = def.local.position - scene.world().props(def.body).origin;
     parts.append(py::make_tuple(part.row, object_of(def.shape), array_of(position),
                                 array_of(def.local.orientation), def.sensor));

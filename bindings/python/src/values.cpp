@@ -11,7 +11,7 @@ namespace {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// @throws std::invalid_argument where the value is not `count` numbers
+/// @throws std::invalid_argument if the value is not `count` numbers
 Numbers numbers(const py::handle& value, std::string_view field, py::ssize_t count,
                 std::string_view rule) {
   Numbers array = Numbers::ensure(value);

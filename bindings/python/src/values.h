@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Numbers from Python and back: what is wrong is said by field, value and rule.
+// Numbers from Python and back: errors name field, value and rule.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -20,9 +20,9 @@ namespace py = pybind11;
 
 /// Three numbers: a tuple, list or array. @throws std::invalid_argument naming the field
 Vec3 vec3(const py::handle& value, std::string_view field);
-/// A unit quaternion in the order x, y, z, w. @throws likewise
+/// A unit quaternion in the order x, y, z, w. @throws as vec3
 Quat quat(const py::handle& value, std::string_view field);
-/// Rows of three numbers. @throws likewise
+/// Rows of three numbers. @throws as vec3
 std::vector<Vec3> points(const py::handle& value, std::string_view field);
 
 py::array_t<double> array_of(const Vec3& value);
