@@ -30,7 +30,7 @@ def make_wheel(
     }
     for path in sorted(licenses.iterdir()) if licenses else []:
         files[f"{info}/licenses/{path.name}"] = path.read_bytes()
-    # pybind11 knows numpy 2 from 2.12 on; Debian 12 has 2.10.
+    # pybind11 supports numpy 2 from 2.12 on; Debian 12 has 2.10.
     files[f"{info}/METADATA"] = (
         f"Metadata-Version: 2.1\nName: tandem\nVersion: {version}\nLicense: MIT\n"
         f"Summary: XPBD rigid bodies: scenes, states as numpy arrays, batches\nRequires-Dist: numpy<2\n"
@@ -47,7 +47,7 @@ def make_wheel(
     wheel = folder / f"tandem-{version}-{tag}.whl"
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as out:
         for name, data in files.items():
-            # A fixed time: the same build gives the same wheel.
+            # A fixed time, so that the same build gives the same wheel.
             out.writestr(zipfile.ZipInfo(name), data, zipfile.ZIP_DEFLATED)
     return wheel
 

@@ -82,7 +82,7 @@ class UdpConnection {
   static constexpr std::size_t kQuestionBytes = kProtectedOverhead + kChannelHeader + kPathBytes;
   /// Whether the packet opened and not read yet has the highest number so far.
   bool is_newest() const { return opened_ && opened_->sequence == opener_.window().latest(); }
-  /// Of the next packet to be sealed.
+  /// Number of the next packet to be sealed.
   std::uint64_t next_sequence() const { return sealer_.next_sequence(); }
   /// A new path: start the estimates over.
   void begin_path(std::int64_t now);

@@ -71,7 +71,7 @@ struct PeerAddress {
   std::uint16_t port = 0;
 };
 
-/// Of KeyRequest and KeyReply. Magic and version have the same place in every version.
+/// Contents of KeyRequest and KeyReply. Magic and version have the same place in every version.
 struct KeyFrame {
   std::uint16_t version = kKeyVersion;
   std::span<const std::byte> message;  // of Noise; a view into the payload

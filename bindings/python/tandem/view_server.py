@@ -104,7 +104,7 @@ class Server(ThreadingHTTPServer):
         if sys.is_finalizing() or os.getpid() != self._process:
             return
         if threading.current_thread().name == THREAD:
-            # Garbage is collected in any thread, and one of its own cannot wait for itself.
+            # The collector may run in the view's own thread, which cannot join itself.
             threading.Thread(target=self.close, name="tandem.view.close", daemon=True).start()
             return
         with self.news:
@@ -136,7 +136,7 @@ class Server(ThreadingHTTPServer):
             with self._clients_lock:
                 self._idle[request] = None
 
-    # In place of ThreadingMixIn's, which knows no limit and no end of a connection.
+    # Replaces ThreadingMixIn's, which has no limit and no end of connections.
     def process_request(self, request: Any, client_address: Any) -> None:
         thread = threading.Thread(target=self._serve, args=(request, client_address), name=THREAD, daemon=True)
         if not self._make_room():

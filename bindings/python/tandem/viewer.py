@@ -141,13 +141,13 @@ class View:
         now = self._scene.time
         restores, ids, kinds, poses = self._scene._shown()
         if restores != self._restores:
-            # Bodies may be others under the same ids.
+            # After a restore the same ids may denote other bodies.
             self._restores, self._parts, self._ids = restores, {}, None
         self._describe(ids)
         rows = np.zeros((len(ids), 8), "<f4")
         with np.errstate(over="ignore"):
             rows[:, :7] = poses
-        # Type, and 4 more when awake. What single precision does not reach is not drawn.
+        # Type, plus 4 if awake. Positions beyond single precision are not drawn.
         rows[:, 7] = kinds[:, 0] + 4 * kinds[:, 1]
         rows[~np.isfinite(rows).all(axis=1)] = (0, 0, 0, 0, 0, 0, 1, -1)
         self._number += 1
@@ -166,7 +166,7 @@ class View:
 
     def _wait(self, now: float) -> None:
         clock = time.monotonic()
-        # One that is late catches up with a little of it; one that has leapt is not waited for.
+        # Small delays are caught up; after a jump there is no wait.
         due = self._due + max(now - self._time, 0.0)
         self._due = min(max(due, clock - LATE), clock + LEAP)
         if self._due > clock:

@@ -86,7 +86,7 @@ class Inbox {
 
   /// Over all offers of all peers, unknown ones included.
   const InboxCounters& totals() const { return totals_; }
-  /// Of one peer, also after its removal; zeros if it was never added.
+  /// Counters of one peer, also after its removal; zeros if it was never added.
   InboxCounters counters(PeerId peer) const;
 
  private:

@@ -65,7 +65,7 @@ struct tandem_session {
   void hear();
 
   tandem::c::Stepped stepped;
-  // Of the last advance:
+  // Results of the last advance:
   std::vector<tandem::PeerId> joined;
   std::vector<tandem::PeerId> left;
   std::deque<tandem::consensus::Event> events;  ///< a deque: addresses stay valid

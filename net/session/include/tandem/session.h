@@ -80,8 +80,8 @@ struct TANDEM_API SessionOptions {
 /// Result of Session::advance().
 struct TANDEM_API Progress {
   int steps = 0;
-  /// Of the first step that was not Ok. InvalidStep: session time is less than a step, and none was
-  /// made.
+  /// Status of the first step that was not Ok. InvalidStep: session time is less than a step, and
+  /// none was made.
   pbd::StepStatus status = pbd::StepStatus::Ok;
   std::int64_t skipped = 0;  ///< ns, as in net::ClockTick
   std::int64_t lag = 0;      ///< ns that the world is behind, from 0 to a step in normal operation
