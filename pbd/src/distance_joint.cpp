@@ -175,9 +175,8 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   const Arms arm = arms(ctx, ground);
   const double c = arm.length - def_.rest_length;
   residual_ = violation(axis(), c);
-  if ((arm.a->is_pushed() || arm.b->is_pushed()) && !n_.isZero(0.0)) {
-    displacement_residual_ = residual_of(axis(), c);
-  }
+  const bool pressed = arm.a->is_pushed() || arm.b->is_pushed();
+  if (pressed && !n_.isZero(0.0)) displacement_residual_ = residual_of(axis(), c);
   if (!def_.enabled) {
     if (!broke_) force_ = 0.0;
     broke_ = false;
@@ -188,19 +187,19 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
     if (!std::isfinite(*value)) *value = 0.0;
   }
   if (!n_.allFinite()) n_.setZero();
-  gap_.settle(std::abs(displacement_residual_), ctx.joint_tolerance);
+  gap_.settle(std::abs(displacement_residual_), ctx.joint_tolerance, pressed);
 }
 
 void DistanceJoint::save(ByteWriter& out) const {
   FieldWriter io(out);
   distance_fields(io, def_);
-  io(broken_, n_, displacement_residual_, gap_.least, gap_.stalled, gap_.closed, force_, residual_);
+  io(broken_, n_, displacement_residual_, gap_.least, gap_.stalled, force_, residual_);
 }
 
 void DistanceJoint::load(ByteReader& in) {
   FieldReader io(in);
   distance_fields(io, def_);
-  io(broken_, n_, displacement_residual_, gap_.least, gap_.stalled, gap_.closed, force_, residual_);
+  io(broken_, n_, displacement_residual_, gap_.least, gap_.stalled, force_, residual_);
   if (!n_.allFinite() || !std::isfinite(displacement_residual_) || !std::isfinite(force_) ||
       !std::isfinite(residual_) || !std::isfinite(gap_.least) || gap_.least < 0.0) {
     in.fail();

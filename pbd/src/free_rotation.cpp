@@ -131,8 +131,7 @@ PrincipalAxes principal_axes(const Mat3& inertia) {
 /// rotations about its own axes: about z, which makes it a top, and about x, which vanishes if two
 /// moments are equal. Each part has a closed form and conserves L.
 Quat free_rotation(const Quat& q, const PrincipalAxes& axes, Vec3& w_l, double h) {
-  constexpr double kPart = 0.1;    // rad, of both parts together
-  constexpr double kSmall = 0.01;  // rad: second order errs no more here than fourth at kPart
+  constexpr double kPart = 0.1;  // rad, of both parts together
   constexpr int kMaxParts = 1024;
   const Vec3& moments = axes.moments;
   const Vec3 w = rotate(axes.frame.conjugate(), w_l);
@@ -145,17 +144,11 @@ Quat free_rotation(const Quat& q, const PrincipalAxes& axes, Vec3& w_l, double h
   } else {
     const Vec3 before = spin.momentum;
     const double angle = h * before.norm() * std::sqrt(std::abs(rates.top * rates.rest));
-    if (angle < kSmall) {
-      spin.turn(0, 0.5 * h * rates.rest);
-      spin.turn(2, h * rates.top);
-      spin.turn(0, 0.5 * h * rates.rest);
-    } else {
-      const double wanted = std::ceil(angle / kPart);
-      // A non-finite spin takes one part: the step reports the body afterwards.
-      int parts = 1;
-      if (wanted > 1.0) parts = wanted < kMaxParts ? static_cast<int>(wanted) : kMaxParts;
-      turn_in_parts(spin, rates, parts, h / parts);
-    }
+    const double wanted = std::ceil(angle / kPart);
+    // A non-finite spin takes one part: the step reports the body afterwards.
+    int parts = 1;
+    if (wanted > 1.0) parts = wanted < kMaxParts ? static_cast<int>(wanted) : kMaxParts;
+    turn_in_parts(spin, rates, parts, h / parts);
     const Vec3 kept = with_energy(spin.momentum, moments, w.dot(before));
     spin.turned = spin.turned * least_rotation(kept, spin.momentum);
     spin.momentum = kept;

@@ -14,8 +14,11 @@
 namespace tandem::pbd {
 namespace {
 
-/// rad/s: the gyroscopic effect of slower rotation is negligible.
+/// rad/s: the gyroscopic effect of slower rotation is negligible. So is torque that turns the
+/// angular momentum in the body's frame more slowly than kSlowTorque (spheres, cubes, tops that
+/// spin about their axis).
 constexpr double kSlowSpin = 0.02;
+constexpr double kSlowTorque = 2e-5;
 
 /// Whether torque-free rotation may change the body's spin.
 bool may_tumble(const SolverBody& body, const BodyProps& props) {
@@ -36,7 +39,7 @@ bool may_tumble(const SolverBody& body, const BodyProps& props) {
                         inertia(2, 0) * x + (inertia(2, 1) * y + inertia(2, 2) * z));
   const Vec3 torque_l = w_l.cross(momentum_l);
   const double rate2 = dot(torque_l, torque_l) / dot(momentum_l, momentum_l);
-  return rate2 > kSlowTurn * kSlowTurn ? std::sqrt(rate2) : 0.0;
+  return rate2 > kSlowTorque * kSlowTorque ? std::sqrt(rate2) : 0.0;
 }
 
 /// Torque-free rotation over h.

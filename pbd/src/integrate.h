@@ -39,10 +39,6 @@ double staleness(double turn, const Vec3& moments);
 /// Staleness from which on rows are made again.
 inline constexpr double kStale = 0.02;  // rad
 
-/// rad/s: an angular momentum that turns in the body's frame more slowly is taken to be at rest in
-/// it (spheres, cubes, tops that spin about their axis).
-inline constexpr double kSlowTurn = 2e-5;
-
 /// Applies forces and damping for one substep of a dynamic body: v and w become the velocities of
 /// its motion. Torque-free rotation of a body whose rows project poses is done here, pose included,
 /// as these rows start from it; for other bodies advance_pose() does it.

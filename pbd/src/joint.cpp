@@ -286,7 +286,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     for (double& residual : record.displacement_residual) {
       if (!std::isfinite(residual)) residual = 0.0;
     }
-    record.settle_gap(ctx.joint_tolerance);
+    record.settle_gap(ctx.joint_tolerance, left);
   }
 }
 

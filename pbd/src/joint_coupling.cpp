@@ -219,7 +219,9 @@ void JointCoupling::end_step(const SubstepContext& ctx) {
   for (double* value : {&displacement_residual_, &residual_, &near_[0], &near_[1]}) {
     if (!std::isfinite(*value)) *value = 0.0;
   }
-  gap_.settle(std::abs(displacement_residual_), ctx.joint_tolerance);
+  const bool pressed =
+      ctx.bodies[def_.one.b.index].is_pushed() || ctx.bodies[def_.two.b.index].is_pushed();
+  gap_.settle(std::abs(displacement_residual_), ctx.joint_tolerance, pressed);
 }
 
 void JointCoupling::save(ByteWriter& out) const {
@@ -227,7 +229,7 @@ void JointCoupling::save(ByteWriter& out) const {
   side_fields(io, def_.one);
   side_fields(io, def_.two);
   io(def_.ratio, def_.offset, def_.enabled, near_[0], near_[1], displacement_residual_, residual_,
-     gap_.least, gap_.stalled, gap_.closed);
+     gap_.least, gap_.stalled);
 }
 
 void JointCoupling::load(ByteReader& in) {
@@ -235,7 +237,7 @@ void JointCoupling::load(ByteReader& in) {
   side_fields(io, def_.one);
   side_fields(io, def_.two);
   io(def_.ratio, def_.offset, def_.enabled, near_[0], near_[1], displacement_residual_, residual_,
-     gap_.least, gap_.stalled, gap_.closed);
+     gap_.least, gap_.stalled);
   bool finite = gap_.least >= 0.0;
   for (const double value : {near_[0], near_[1], displacement_residual_, residual_, gap_.least}) {
     finite = finite && std::isfinite(value);

@@ -31,7 +31,7 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
      motor.mode, motor.velocity, motor.target, motor.max_torque, motor.max_speed,
      def.drive.friction, record.drive.start);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
-     record.gap.closed, record.energy_excess, record.h, record.spring_mass);
+     record.energy_excess, record.h, record.spring_mass);
   io(state.position, state.swing, record.forces, state.force, state.torque, state.residual,
      state.broken);
 }
@@ -217,10 +217,10 @@ void JointRecord::aim(const SolverBody& a, const SolverBody& b, double substep) 
   }
 }
 
-void JointRecord::settle_gap(double tolerance) {
+void JointRecord::settle_gap(double tolerance, bool pressed) {
   double size = 0.0;
   for (const double residual : displacement_residual) size = std::max(size, std::abs(residual));
-  gap.settle(size, tolerance);
+  gap.settle(size, tolerance, pressed);
 }
 
 void JointRecord::save(ByteWriter& out) const {

@@ -12,14 +12,9 @@ namespace tandem::pbd {
 struct JointGap {
   /// m or rad: an increase over the last step's residual by less than this is rounding.
   static constexpr double kTolerance = 1e-9;
-  /// A gap that has been closed for so many steps is over. Dolls that tumble on the ground are
-  /// pushed off their joints in most steps: of twelve that fall 20 m (scene `rain`) the joints are
-  /// open by 0.45 mm at p99, and by 2.4 mm if a gap is over in the step in which it closes.
-  static constexpr std::uint32_t kClosed = 10;
 
   double least = 0.0;         ///< m or rad, its minimum so far; 0 = closed
   std::uint32_t stalled = 0;  ///< steps since that minimum
-  std::uint32_t closed = 0;   ///< steps in a row in which no more than the tolerance was left
 
   bool is_open() const { return least > 0.0; }
   /// Joints whose gaps cannot close, because they contradict each other, may rest after so many
@@ -30,16 +25,14 @@ struct JointGap {
   }
   /// Updates after a step.
   /// @param size  remaining violation, m or rad
-  /// @param tolerance  m or rad, the accuracy of the solver: it closes no gap further than that
-  void settle(double size, double tolerance) {
+  /// @param tolerance  m or rad, the accuracy of joints: a smaller gap is closed
+  /// @param pressed  contacts act on the joint's ends. They may be all that the gap waits for, and
+  ///   would open it again: it is closed without a remainder only.
+  void settle(double size, double tolerance, bool pressed) {
     if (!is_open()) return;
     ++stalled;
-    closed = size > tolerance ? 0 : closed + 1;
-    if (closed > kClosed) {
-      *this = {};
-    } else if (size > tolerance && size < least) {
-      *this = {.least = size};
-    }
+    if (!(size > (pressed ? kTolerance : tolerance))) *this = {};
+    if (size < least) *this = {.least = size};
   }
 };
 
