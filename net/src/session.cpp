@@ -11,6 +11,7 @@
 #include <system_error>
 #include <thread>
 
+#include "console_close.h"
 #include "tandem/pbd/parse_number.h"
 #include "tandem/pbd/validate.h"
 #include "timer_resolution.h"
@@ -49,6 +50,7 @@ class __attribute__((visibility("hidden"))) StopSignal::Impl {
 #ifdef SIGBREAK  // Ctrl+Break on Windows
     signals_.add(SIGBREAK);
 #endif
+    listen_to_console_close();
     signals_.async_wait([this](const std::error_code& error, int) {
       if (error) return;
       std::error_code ignored;

@@ -2,6 +2,10 @@
 // Copyright (c) 2026 The Tandem authors
 #include "tandem/net/session.h"
 
+#ifdef _WIN32
+#include <windows.h>
+#endif
+
 #include <csignal>
 #include <stdexcept>
 #include <string>
@@ -45,5 +49,22 @@ TEST_CASE("session: a signal stops, and leaves nothing behind", "[net][unit]") {
   stop.request();
   CHECK(stop.requested());
 }
+
+#ifdef _WIN32
+TEST_CASE("session: a console that closes stops", "[net][unit]") {
+  StopSignal stop;
+  // What Windows starts in a thread of each process of the console. The thread stays until the
+  // process ends.
+  const auto routine = reinterpret_cast<LPTHREAD_START_ROUTINE>(
+      reinterpret_cast<void*>(GetProcAddress(GetModuleHandleW(L"kernelbase"), "CtrlRoutine")));
+  REQUIRE(routine != nullptr);
+  const auto event = reinterpret_cast<void*>(static_cast<std::uintptr_t>(CTRL_CLOSE_EVENT));
+  const HANDLE thread = CreateThread(nullptr, 0, routine, event, 0, nullptr);
+  REQUIRE(thread != nullptr);
+  CHECK(stop.wait(std::chrono::seconds(20)));
+  CHECK(WaitForSingleObject(thread, 100) == WAIT_TIMEOUT);  // it would end the process
+  CloseHandle(thread);
+}
+#endif
 
 }  // namespace session_test

@@ -25,7 +25,8 @@ TANDEM_API HostPort parse_host_port(std::string_view text);
 /// The inverse of parse_host_port.
 TANDEM_API std::string to_string(const HostPort& address);
 
-/// Turns the first SIGINT or SIGTERM into a flag, so that a program can leave its session in order.
+/// Turns the first SIGINT or SIGTERM into a flag, so that a program can leave its session in order;
+/// on Windows Ctrl+Break and a console that is closed as well, which ends the process after 5 s.
 /// The second one ends the process as usual. At most one object at a time.
 /// @par Thread safety  requested, request, wait: from any thread.
 class TANDEM_API StopSignal {
