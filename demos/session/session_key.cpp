@@ -2,29 +2,16 @@
 // Copyright (c) 2026 The Tandem authors
 #include "session/session_key.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cctype>
-#include <cerrno>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
-#include <utility>
+
+#include "session/key_file.h"
 
 namespace tandem::demos {
-
-namespace {
-
-#ifdef _WIN32
-constexpr int kNotInherited = O_NOINHERIT | O_BINARY;
-#else
-constexpr int kNotInherited = O_CLOEXEC;
-#endif
-
-}  // namespace
 
 std::optional<Key> key_from_hex(std::string_view digits) {
   Key key{};
@@ -43,14 +30,7 @@ std::optional<Key> key_from_hex(std::string_view digits) {
 Key read_session_key(const std::string& path) {
   std::ifstream in(path);
   if (!in) throw std::invalid_argument("a file that can be read");
-#ifndef _WIN32  // where rights are lists that the modes of C do not show
-  using std::filesystem::perms;
-  constexpr perms kOthers = perms::group_all | perms::others_all;
-  std::error_code ignored;
-  if ((std::filesystem::status(path, ignored).permissions() & kOthers) != perms::none) {
-    throw std::invalid_argument("a file that nobody else can read or write (chmod 600)");
-  }
-#endif
+  if (!for_owner_alone(path)) throw std::invalid_argument(std::string(kForOwnerAlone));
   std::string digits;
   for (char c = 0; digits.size() <= 2 * sizeof(Key) && in.get(c);) {
     if (std::isspace(static_cast<unsigned char>(c)) == 0) digits += c;
@@ -63,9 +43,6 @@ Key read_session_key(const std::string& path) {
 Key keep_identity(const std::string& path, Key (*make)()) {
   if (std::filesystem::exists(path)) return read_session_key(path);
   const Key made = make();
-  // Never there with more rights, and never over another one that has just been made.
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | kNotInherited, 0600);
-  if (file < 0) throw std::system_error(errno, std::system_category(), path);
   std::string digits;
   for (const std::uint8_t byte : made) {
     constexpr std::string_view kDigits = "0123456789abcdef";
@@ -73,14 +50,7 @@ Key keep_identity(const std::string& path, Key (*make)()) {
     digits += kDigits[byte & 15];
   }
   digits += '\n';
-  const auto length = static_cast<unsigned>(digits.size());
-  const auto written = ::write(file, digits.data(), length);
-  const int error = errno;
-  const bool whole = std::cmp_equal(written, length);
-  if (::close(file) != 0 || !whole) {
-    ::unlink(path.c_str());
-    throw std::system_error(whole ? errno : error, std::system_category(), path);
-  }
+  write_for_owner_alone(path, digits);
   return made;
 }
 

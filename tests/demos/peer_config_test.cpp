@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "peer/config.h"
+#include "session/key_file.h"
 #include "support/catch.h"
 #include "tandem/net/membership.h"
 
@@ -12,6 +12,11 @@ namespace tandem::demos::peer_config_test {
 namespace {
 
 const std::string kNetwork = "[network]\nlisten = 7777\ninsecure = true\n";
+
+void write_key(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::remove(path);
+  write_for_owner_alone(path.string(), text);
+}
 
 /// What is wrong with a file of this text; empty where nothing is.
 std::string refusal(const std::string& text) {
@@ -54,8 +59,7 @@ TEST_CASE("peer config: without an id a peer has the one of its key, which is ke
   const std::filesystem::path identity = folder / "tandem_config_derived.identity";
   const std::filesystem::path key = folder / "tandem_config_derived.key";
   std::filesystem::remove(identity);
-  std::ofstream(key) << std::string(64, 'a');
-  std::filesystem::permissions(key, std::filesystem::perms(0600));
+  write_key(key, std::string(64, 'a'));
   const auto started = [&] {
     PeerConfig c = parse_config(
         "[network]\nlisten = 0\nkey = \"tandem_config_derived.key\"\n"
@@ -81,8 +85,7 @@ TEST_CASE("peer config: without an id a peer has the one of its key, which is ke
 
 TEST_CASE("peer config: every key reaches its field", "[demos][unit]") {
   const std::filesystem::path folder = std::filesystem::temp_directory_path();
-  std::ofstream(folder / "tandem_config_key") << std::string(64, 'a');
-  std::filesystem::permissions(folder / "tandem_config_key", std::filesystem::perms(0600));
+  write_key(folder / "tandem_config_key", std::string(64, 'a'));
   const PeerConfig c = parse_config(R"(
 id = 2
 seed = 9
@@ -140,8 +143,7 @@ TEST_CASE("peer config: an identity of its own by default, and an organiser who 
           "[demos]") {
   const std::filesystem::path folder = std::filesystem::temp_directory_path();
   const auto file = [&folder](const char* name, const std::string& text) {
-    std::ofstream(folder / name) << text;
-    std::filesystem::permissions(folder / name, std::filesystem::perms(0600));
+    write_key(folder / name, text);
   };
   file("tandem_config_key", std::string(64, '7'));
   file("tandem_certificate", "0a0b");

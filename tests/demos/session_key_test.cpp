@@ -2,6 +2,13 @@
 // Copyright (c) 2026 The Tandem authors
 #include "session/session_key.h"
 
+#ifdef _WIN32
+#include <windows.h>
+// After it.
+#include <aclapi.h>
+#endif
+
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -9,6 +16,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "session/key_file.h"
 #include "support/catch.h"
 
 namespace tandem::demos::session_key_test {
@@ -28,7 +36,8 @@ Key another_key() {
 std::string refusal(const std::string& text, fs::perms access = fs::perms(0600)) {
   const std::string path =
       (std::filesystem::temp_directory_path() / "tandem_session_key_test").string();
-  std::ofstream(path) << text;
+  fs::remove(path);
+  write_for_owner_alone(path, text);
   fs::permissions(path, access);
   std::string result;
   try {
@@ -45,8 +54,8 @@ TEST_CASE("session key: 64 hex digits of either case, with white space", "[demos
   for (int i = 0; i < 32; ++i) digits += i % 2 == 0 ? "0a " : "F1\n";
   const std::string path =
       (std::filesystem::temp_directory_path() / "tandem_session_key_good").string();
-  std::ofstream(path) << digits;
-  fs::permissions(path, fs::perms(0600));
+  fs::remove(path);
+  write_for_owner_alone(path, digits);
   const auto key = read_session_key(path);
   std::filesystem::remove(path);
   CHECK(key[0] == 0x0a);
@@ -64,7 +73,40 @@ TEST_CASE("session key: anything else is refused with the rule", "[demos][fault]
   CHECK_THROWS_AS(read_session_key("/nowhere/at/all"), std::invalid_argument);
 }
 
-#ifndef _WIN32  // where modes do not say who may read
+#ifdef _WIN32
+/// Lets everybody do this with a file, besides whom it lets in.
+void let_in(const std::string& path, DWORD access) {
+  PACL old = nullptr;
+  PACL list = nullptr;
+  PSECURITY_DESCRIPTOR held = nullptr;
+  REQUIRE(GetNamedSecurityInfoA(path.c_str(), SE_FILE_OBJECT, DACL_SECURITY_INFORMATION, nullptr,
+                                nullptr, &old, nullptr, &held) == ERROR_SUCCESS);
+  std::array<BYTE, SECURITY_MAX_SID_SIZE> everybody{};
+  auto size = static_cast<DWORD>(everybody.size());
+  REQUIRE(CreateWellKnownSid(WinWorldSid, nullptr, everybody.data(), &size) != 0);
+  EXPLICIT_ACCESSA entry{access, GRANT_ACCESS, NO_INHERITANCE, {}};
+  BuildTrusteeWithSidA(&entry.Trustee, everybody.data());
+  REQUIRE(SetEntriesInAclA(1, &entry, old, &list) == ERROR_SUCCESS);
+  std::string name = path;
+  REQUIRE(SetNamedSecurityInfoA(name.data(), SE_FILE_OBJECT, DACL_SECURITY_INFORMATION, nullptr,
+                                nullptr, list, nullptr) == ERROR_SUCCESS);
+  LocalFree(list);
+  LocalFree(held);
+}
+
+TEST_CASE("session key: a file that others can read or write is refused", "[demos][fault]") {
+  const std::string path = (fs::temp_directory_path() / "tandem_key_access").string();
+  for (const DWORD access : {FILE_GENERIC_READ, FILE_GENERIC_WRITE, FILE_ALL_ACCESS}) {
+    CAPTURE(access);
+    fs::remove(path);
+    write_for_owner_alone(path, std::string(64, '7'));
+    CHECK_NOTHROW(read_session_key(path));
+    let_in(path, access);
+    CHECK_THROWS_WITH(read_session_key(path), std::string(kForOwnerAlone));
+  }
+  fs::remove(path);
+}
+#else
 TEST_CASE("session key: a file that others can read or write is refused", "[demos][fault]") {
   const std::string key(64, '7');
   CHECK(refusal(key, fs::perms(0600)).empty());
@@ -81,6 +123,7 @@ TEST_CASE("session key: an identity is made at the first start and kept for its 
   const fs::path path = fs::temp_directory_path() / "tandem_kept_identity";
   fs::remove(path);
   const auto first = keep_identity(path.string(), another_key);
+  CHECK(for_owner_alone(path.string()));
 #ifndef _WIN32
   CHECK((fs::status(path).permissions() & fs::perms(0777)) == fs::perms(0600));
 #endif
