@@ -66,7 +66,8 @@ for peer, where in enumerate(bins, 1):
     lifted = result["outcome"][f"peer_{peer}"]["plate_lifted_m"]
     print(f"{where}: apart at rest {1e3 * resting['p50']:.4f} mm (p95 {1e3 * resting['p95']:.3f}), "
           f"moving {1e3 * moving['p50']:.2f} mm ({moving['count']} samples), lifted {lifted:.2f} m")
-    wrong |= resting["p95"] > 1e-3 or moving["count"] < 500 or lifted < 0.15
+    # An emulated process makes as many steps as the machine has time for: a share of its samples, not a number.
+    wrong |= resting["p95"] > 1e-3 or moving["count"] < 0.03 * (moving["count"] + resting["count"]) or lifted < 0.15
 sys.exit(wrong)
 PYTHON
 runner "${bins[0]}" tandem-replay
