@@ -16,9 +16,6 @@ matplotlib.rcParams["font.sans-serif"] = ["DejaVu Sans", "Verdana"]  # what brow
 matplotlib.rcParams["path.simplify_threshold"] = 0.5
 import matplotlib.pyplot as plt  # noqa: E402
 
-# What docs/ carries: 300 KB in all. The other figures are left with the results.
-IN_DOCS = ("evaluation_divergence", "evaluation_latency", "evaluation_link", "work_precision", "engines")
-
 _SMALL = scour.sanitizeOptions()
 _SMALL.style_to_xml = False  # SVG has no attribute "font": browsers would draw all text in their own size
 _SMALL.digits = _SMALL.cdigits = 4
@@ -48,7 +45,5 @@ def save_svg(figure, path):
 
 def on_page(drawn, docs, caption):
     """The page's line for a figure that has been drawn."""
-    if drawn.stem not in IN_DOCS:
-        return f"Figure, drawn with the results: `{drawn.name}` ({caption})."
     shutil.copyfile(drawn, docs / drawn.name)
     return f"![{caption}]({drawn.name})"

@@ -23,24 +23,20 @@ struct Options {
   std::vector<std::string> links;
   double share = 0.0;  ///< 0 = the default
   int seeds = 3;
-  bool series = false;
   bool cost = false;
 };
 
 constexpr std::string_view kUsage =
     "usage: extreme [--group G] [--scene PART] [--scheme S] [--link L] [--share S] [--seeds N]\n"
-    "               [--series]\n"
     "       extreme --cost\n"
     "  --link: frames of delay, or \"profile 5\"; several may be given. --share: what all "
-    "announce, and the part of a gap that is closed per 1/60 s\n"
-    "  --series: the difference between copies over time, ten times a second\n";
+    "announce, and the part of a gap that is closed per 1/60 s\n";
 
 Options parse(std::span<const std::string_view> words) {
   using tandem::demos::Argument;
   Options options;
   tandem::demos::read_arguments(
-      words, {{"--series", [&](Argument&) { options.series = true; }},
-              {"--cost", [&](Argument&) { options.cost = true; }},
+      words, {{"--cost", [&](Argument&) { options.cost = true; }},
               {"--group", [&](Argument& in) { options.group = in.text(); }},
               {"--scene", [&](Argument& in) { options.scene = in.text(); }},
               {"--scheme", [&](Argument& in) { options.scheme = in.text(); }},
@@ -72,16 +68,6 @@ void print(const Scene& scene, const Scheme& scheme, const std::string& link, do
       r.excess_J, r.agreement_J, r.displacement_J, r.momentum, r.not_finite, r.placed);
 }
 
-void print_series(const Scene& scene, const Scheme& scheme, const std::string& link, double share,
-                  int seed, const Result& r) {
-  const auto every = static_cast<std::size_t>(scene.sample_hz / 10.0);
-  for (std::size_t k = 0; k < r.series.size(); k += every) {
-    std::printf("%s,\"%s\",%d,%s,%s,%g,%d,%.3f,%.5g\n", scene.group.c_str(), scene.name.c_str(),
-                scene.peers, scheme.name.data(), link.c_str(), share, seed,
-                static_cast<double>(k) / scene.sample_hz, r.series[k]);
-  }
-}
-
 bool random(const Scene& scene, const std::string& link) {
   const Conditions& c = scene.conditions;
   return link == "profile 5" || c.noise > 0.0 || c.noise_angle > 0.0 || c.loss > 0.0;
@@ -94,7 +80,7 @@ void run_links(const Options& options, const Scene& scene, const Scheme& scheme)
     const int seeds = random(scene, link) ? options.seeds : 1;
     for (int seed = 1; seed <= seeds; ++seed) {
       const Result result = run(scene, scheme, link, static_cast<std::uint64_t>(seed));
-      (options.series ? print_series : print)(scene, scheme, link, options.share, seed, result);
+      print(scene, scheme, link, options.share, seed, result);
       std::fflush(stdout);
     }
   }
@@ -126,12 +112,10 @@ int main(int argc, char** argv) {
           return 0;
         }
         std::puts(
-            options.series
-                ? "group,scene,peers,scheme,link,share,seed,time_s,difference"
-                : "group,scene,peers,scheme,link,share,seed,stable,peak_mm,final_mm,half_frames,"
-                  "percent_frames,millimetre_frames,overlap_mm,overlap_end_mm,joint_mm,"
-                  "kinetic_J,work_J,excess_J,agreement_J,displacement_J,momentum,not_finite,"
-                  "placed");
+            "group,scene,peers,scheme,link,share,seed,stable,peak_mm,final_mm,half_frames,"
+            "percent_frames,millimetre_frames,overlap_mm,overlap_end_mm,joint_mm,"
+            "kinetic_J,work_J,excess_J,agreement_J,displacement_J,momentum,not_finite,"
+            "placed");
         run_all(options);
         return 0;
       });

@@ -7,14 +7,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pages
 import stats
-from svg_figure import plt, save_svg
 
 NAME = "extreme.csv"
-SERIES = "extreme_series.csv"
 COST = "extreme_cost.csv"
 GROUPS = ["solver", "geometry", "disagreement", "stiff", "conditions"]
-SCHEMES = {"one-pass": ("one pass", "#c0392b"), "two-step": ("two steps", "#1f5fa8"),
-           "two-step-paper": ("two steps as published", "#7fb2e5"), "none": ("none", "#999999")}
+SCHEMES = {"one-pass": "one pass", "two-step": "two steps", "two-step-paper": "two steps as published",
+           "none": "none"}
 FAR = "profile 5"
 SWEEP_SHARES = ("0.02", "0.1", "0.3", "0.5")
 SWEEP_LINKS = ("0", "3", "7", "15")
@@ -22,7 +20,7 @@ LINK_OF_TOPOLOGY = "3"
 
 
 def _commands(program, seeds, quick):
-    """Name of the table, and what to run."""
+    """What to run."""
     for group in GROUPS:
         base = [str(program), "--group", group]
         for scheme in SCHEMES:
@@ -30,20 +28,19 @@ def _commands(program, seeds, quick):
                      ["--link", "0", "--link", "3", "--link", "7", "--link", FAR])
             if scheme == "none":
                 links += ["--link", SWEEP_LINKS[-1]]
-            yield NAME, [*base, "--scheme", scheme, *links, "--seeds", str(seeds)]
-            yield SERIES, [*base, "--scheme", scheme, "--link", FAR, "--seeds", "1", "--series"]
+            yield [*base, "--scheme", scheme, *links, "--seeds", str(seeds)]
         for share in SWEEP_SHARES[1::2] if quick else SWEEP_SHARES:
             links = [part for link in SWEEP_LINKS for part in ("--link", link)]
-            yield NAME, [*base, "--scheme", "one-pass", "--share", share, "--seeds", "1", *links]
+            yield [*base, "--scheme", "one-pass", "--share", share, "--seeds", "1", *links]
     for scheme in ("one-pass",) if quick else ("one-pass", "two-step"):
         for kind in ("free", "box") if quick else ("free", "box", "stack"):
-            yield NAME, [str(program), "--group", "topology", "--scene", kind, "--scheme", scheme,
-                         "--link", LINK_OF_TOPOLOGY, "--seeds", "1"]
+            yield [str(program), "--group", "topology", "--scene", kind, "--scheme", scheme,
+                   "--link", LINK_OF_TOPOLOGY, "--seeds", "1"]
 
 
 def measure(binaries, results, seeds, jobs, quick):
     program = binaries / "extreme"
-    paths = [results / name for name in (NAME, SERIES, COST)]
+    paths = [results / name for name in (NAME, COST)]
     if all(p.exists() and p.stat().st_mtime >= program.stat().st_mtime for p in paths):
         return
 
@@ -54,50 +51,15 @@ def measure(binaries, results, seeds, jobs, quick):
     costs = run([str(program), "--cost"])
     commands = list(_commands(program, seeds, quick))
     with ThreadPoolExecutor(jobs) as pool:
-        texts = list(pool.map(run, [command for _, command in commands]))
-    for name in (NAME, SERIES):
-        lines = []
-        for (table, _), text in zip(commands, texts):
-            if table == name:
-                head, *rest = text.splitlines()
-                lines += rest if lines else [head, *rest]
-        (results / name).write_text("\n".join(lines) + "\n")
+        texts = [text.splitlines() for text in pool.map(run, commands)]
+    lines = [texts[0][0], *(line for text in texts for line in text[1:])]
+    (results / NAME).write_text("\n".join(lines) + "\n")
     (results / COST).write_text(costs)
 
 
 def _read(path):
     with path.open() as file:
         return list(csv.DictReader(file))
-
-
-def _draw(rows, path):
-    # Where geometry differs little is seen but that it does.
-    shown = ("S4 wall 10 cm nearer", "floor 10 cm lower")
-    rows = [r for r in rows if r["group"] != "geometry" or r["scene"] in shown]
-    scenes = list(dict.fromkeys(r["scene"] for r in rows))
-    columns = 5
-    lines = len(scenes) // columns + 1  # at least one place is left for the legend
-    figure, axes = plt.subplots(lines, columns, figsize=(11, 1.55 * lines),
-                                constrained_layout=True, squeeze=False, sharey=True)
-    for axis, scene in zip(axes.flat, scenes):
-        for scheme, (label, colour) in reversed(SCHEMES.items()):
-            found = [r for r in rows if r["scene"] == scene and r["scheme"] == scheme]
-            axis.plot([float(r["time_s"]) for r in found],
-                      [max(1e-2, float(r["difference"])) for r in found],
-                      color=colour, lw=1.2 if scheme == "one-pass" else 0.8, label=label)
-        axis.set_yscale("log")
-        axis.set_ylim(1e-2, 1e4)
-        axis.minorticks_off()
-        axis.set_title(scene, fontsize=7)
-        axis.tick_params(labelsize=6)
-        axis.grid(True, which="major", alpha=0.3)
-    spare = list(axes.flat)[len(scenes):]
-    for axis in spare:
-        axis.axis("off")
-    handles, labels = axes[0][0].get_legend_handles_labels()
-    spare[0].legend(handles[::-1], labels[::-1], loc="center", frameon=False, fontsize=8,
-                    title="mm over s", title_fontsize=8)
-    save_svg(figure, path)
 
 
 def _numbers(rows, column, **which):
@@ -222,7 +184,7 @@ def _loses(rows):
         for scheme in ("two-step", "two-step-paper"):
             theirs = stats.interval(_numbers(near, "final_mm", scene=scene, scheme=scheme))[0]
             if ours > 1.1 * theirs + 0.1:
-                found.setdefault(SCHEMES[scheme][0], []).append(f"{scene} {ours:.3g} / {theirs:.3g}")
+                found.setdefault(SCHEMES[scheme], []).append(f"{scene} {ours:.3g} / {theirs:.3g}")
     return found
 
 
@@ -264,7 +226,6 @@ def _box(rows):
 
 def report(results, docs):
     rows, costs = _read(results / NAME), _read(results / COST)
-    _draw(_read(results / SERIES), results / "figures" / "extreme.svg")
     loses, bounds = _loses(rows), _must_hold(rows, costs)
     measured = {b[0]: b[1] for b in bounds}
     page = docs / "one-pass-vs-two-step.md"

@@ -7,10 +7,7 @@ import subprocess
 from collections import defaultdict
 from concurrent.futures import ThreadPoolExecutor
 
-from matplotlib.colors import LogNorm
-
 import pages
-from svg_figure import plt, save_svg
 
 NAME = "stability.csv"
 SCHEMES = {
@@ -64,37 +61,6 @@ def _uneven(rows):
     return pages.table(["scheme", *heads], lines), sums
 
 
-def _draw(rows, scenes, path):
-    shown = ["one-pass", "two-step", "one-pass-plain", "two-step-plain"]
-    figure, axes = plt.subplots(len(shown), len(scenes), figsize=(2.2 * len(scenes), 7.6),
-                                sharex=True, sharey=True, constrained_layout=True)
-    shares = sorted({float(r["share_1"]) for r in rows})
-    delays = sorted({int(r["delay_frames"]) for r in rows})
-    for i, scheme in enumerate(shown):
-        for j, scene in enumerate(scenes):
-            grid = [[float("nan")] * len(delays) for _ in shares]
-            for r in rows:
-                if r["scheme"] == scheme and r["scene"] == scene and r["share_1"] == r["share_2"]:
-                    half = int(r["half_life_frames"])
-                    if int(r["stable"]):
-                        grid[shares.index(float(r["share_1"]))][
-                            delays.index(int(r["delay_frames"]))] = half if half > 0 else 300
-            axis = axes[i][j]
-            axis.set_facecolor("#d04a35")
-            image = axis.imshow(grid, origin="lower", aspect="auto", cmap="viridis",
-                                norm=LogNorm(1, 300))
-            axis.set_xticks(range(len(delays)), delays, fontsize=6)
-            axis.set_yticks(range(len(shares)), shares, fontsize=6)
-            if i == 0:
-                axis.set_title(scene, fontsize=9)
-            if j == 0:
-                axis.set_ylabel(scheme + "\nshare", fontsize=8)
-            if i + 1 == len(shown):
-                axis.set_xlabel("delay, frames", fontsize=8)
-    figure.colorbar(image, ax=axes, label="half-life of a disagreement, frames", shrink=0.6)
-    save_svg(figure, path)
-
-
 def text_of(kept, scheme):
     return f"{statistics.median(kept[scheme, 'chain']):.2f}" if kept[scheme, "chain"] else "-"
 
@@ -105,8 +71,6 @@ def report(results, docs):
     scenes = list(dict.fromkeys(r["scene"] for r in rows))
     uneven, uneven_sums = _uneven(rows)
     rows = [r for r in rows if _even(r)]
-    figure = results / "figures" / "stability.svg"
-    _draw(rows, scenes, figure)
     stable, cases, within, most = defaultdict(int), defaultdict(int), defaultdict(int), 0
     kept = defaultdict(list)
     for r in rows:

@@ -14,44 +14,6 @@ namespace tandem::demos {
 namespace {
 
 constexpr std::size_t kLatencyBins = 250;
-constexpr std::size_t kAccelerationBins = 60;
-
-std::vector<double> accelerations_log(const std::vector<PeerRecord>& peers) {
-  std::vector<double> result;
-  for (const PeerRecord& peer : peers) {
-    if (!peer.local) continue;
-    const double squared_rate = peer.step_hz * peer.step_hz;
-    for (std::size_t body = 0; body < peer.tracks.size(); ++body) {
-      if (body < peer.owners.size() && peer.owners[body] != 0) continue;
-      const std::vector<TrackSample>& s = peer.tracks[body].samples();
-      for (std::size_t i = 2; i < s.size(); ++i) {
-        if (s[i].users == 0 && s[i].speed <= kMovingSpeed) continue;
-        const pbd::Vec3 change = s[i].position - 2.0 * s[i - 1].position + s[i - 2].position;
-        result.push_back(std::log10(std::max(1e-9, squared_rate * change.norm())));
-      }
-    }
-  }
-  return result;
-}
-
-void divergence_over_time(const Metrics& metrics, Measures& m, std::size_t bodies) {
-  if (metrics.samples.empty()) return;
-  consensus::SessionTime start = INT64_MAX;
-  for (const DivergenceSample& s : metrics.samples) start = std::min(start, s.time);
-  std::vector<std::vector<double>> bins;
-  std::vector<std::vector<double>> of_body(bodies);
-  for (const DivergenceSample& s : metrics.samples) {
-    if (s.jumped) continue;
-    of_body[s.body].push_back(s.distance);
-    if (s.object == ObjectClass::Owned) continue;
-    const auto bin =
-        static_cast<std::size_t>(1e-9 * static_cast<double>(s.time - start) / Measures::kBin);
-    if (bin >= bins.size()) bins.resize(bin + 1);
-    bins[bin].push_back(s.distance);
-  }
-  for (std::vector<double>& bin : bins) m.over_time_m.push_back(distribution(bin));
-  for (std::vector<double>& body : of_body) m.of_body_m.push_back(distribution(body));
-}
 
 void write_box(JsonWriter& json, std::string_view name, const Distribution& d) {
   json.key(name).begin_object();
@@ -95,7 +57,6 @@ void write_array(JsonWriter& json, std::string_view name, const Values& values) 
 
 void write_smoothness(JsonWriter& json, const Smoothness& s) {
   write_box(json, "acceleration_m_s2", s.acceleration);
-  write_box(json, "jerk_m_s3", s.jerk);
   json.field("jerk_rms_m_s3", s.jerk_rms);
   json.field("speed_rms_m_s", s.speed_rms);
   write_box(json, "high_pass_m", s.high_pass_m);
@@ -142,7 +103,6 @@ Measures measure(const RunResult& run, const Metrics& metrics, const DemoOptions
     m.link_histogram = histogram(link, 0.0, 1.0, kLatencyBins);
     m.link_ms = distribution(link);
   }
-  m.acceleration_histogram = histogram(accelerations_log(run.peers), -2.0, 0.1, kAccelerationBins);
   m.hits = after_blows(run.peers, metrics.samples, mean_age + step);
   std::vector<double> contacts = contact_disagreement(run.peers);
   if (!contacts.empty()) m.contact_disagreement_end = contacts.back();
@@ -151,11 +111,8 @@ Measures measure(const RunResult& run, const Metrics& metrics, const DemoOptions
   m.limit_of_all_m = limit_of_all(run.peers, mean_age + step);
   m.held = held_by_one(run.peers);
   m.stretch = stretch(run.peers);
-  if (!run.peers.empty()) divergence_over_time(metrics, m, run.peers.front().tracks.size());
   if (reference != nullptr && !reference->peers.empty()) {
     m.reference = smoothness(reference->peers);
-    m.reference_acceleration_histogram =
-        histogram(accelerations_log(reference->peers), -2.0, 0.1, kAccelerationBins);
     m.reference_outcome = reference->peers.front().outcome;
     m.reference_stretch = stretch(reference->peers);
     m.residual_m = high_pass_residual(run.peers, reference->peers.front());
@@ -175,36 +132,15 @@ void write_classes(JsonWriter& json, const Metrics& metrics) {
     json.key(to_string(static_cast<ObjectClass>(c))).begin_object();
     write_box(json, "divergence_m", metrics.object_m[c]);
     write_box(json, "divergence_deg", metrics.object_deg[c]);
-    write_box(json, "prediction_error_m", metrics.object_prediction_m[c]);
-    write_box(json, "euler_error_m", metrics.object_euler_m[c]);
     json.end_object();
   }
   json.end_object();
 }
 
-void write_measures(JsonWriter& json, const Measures& m,
-                    const std::vector<std::string>& body_names) {
-  json.key("over_time").begin_object();
-  json.field("bin_s", Measures::kBin);
-  json.key("p50_m").begin_array();
-  for (const Distribution& d : m.over_time_m) json.value(d.p50);
-  json.end_array().key("p95_m").begin_array();
-  for (const Distribution& d : m.over_time_m) json.value(d.p95);
-  json.end_array().key("max_m").begin_array();
-  for (const Distribution& d : m.over_time_m) json.value(d.max);
-  json.end_array().end_object();
-  constexpr std::size_t kMaxBodies = 100;
-  json.key("bodies").begin_object();
-  for (std::size_t i = 0; i < m.of_body_m.size() && m.of_body_m.size() <= kMaxBodies; ++i) {
-    json.key(body_names[i]).begin_object();
-    json.field("p50", m.of_body_m[i].p50).field("p95", m.of_body_m[i].p95);
-    json.field("max", m.of_body_m[i].max).end_object();
-  }
-  json.end_object();
+void write_measures(JsonWriter& json, const Measures& m) {
   write_box(json, "link_ms", m.link_ms);
   write_array(json, "link_histogram", m.link_histogram);
   write_array(json, "effective_latency_histogram", m.latency_histogram);
-  write_array(json, "acceleration_histogram", m.acceleration_histogram);
   json.key("smoothness").begin_object();
   write_smoothness(json, m.smooth);
   json.end_object();
@@ -228,7 +164,6 @@ void write_measures(JsonWriter& json, const Measures& m,
   write_smoothness(json, *m.reference);
   write_box(json, "high_pass_residual_m", m.residual_m);
   write_stretch(json, m.reference_stretch, nullptr);
-  write_array(json, "acceleration_histogram", m.reference_acceleration_histogram);
   json.key("outcome").begin_object();
   for (const auto& [name, value] : m.reference_outcome) json.field(name, value);
   json.end_object();

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "measures/agreement.h"
@@ -30,20 +29,15 @@ struct Measures {
   AfterBlows hits;
   Distribution link_ms;                                          ///< virtual links only
   std::vector<std::uint64_t> link_histogram, latency_histogram;  ///< each ms, from 0
-  std::vector<std::uint64_t> acceleration_histogram;  ///< each tenth of a decade from 0.01 m/s^2
   Distribution contact_disagreement;
   double contact_disagreement_end = Distribution::kNone;
   double agree_s = Distribution::kNone;  ///< see time_to_agree
   HeldByOne held;
   Distribution limit_of_all_m;
   Stretch stretch;
-  std::vector<Distribution> over_time_m;  ///< of each half second, jumps and owned left out
-  static constexpr double kBin = 0.5;     ///< s
-  std::vector<Distribution> of_body_m;    ///< jumps left out
 
   /// The same inputs at one peer, where they were run.
   std::optional<Smoothness> reference;
-  std::vector<std::uint64_t> reference_acceleration_histogram;
   Outcome reference_outcome;
   Stretch reference_stretch;
   Distribution residual_m;  ///< see high_pass_residual
@@ -55,7 +49,6 @@ Measures measure(const RunResult& run, const Metrics& metrics, const DemoOptions
 
 /// As fields of the object that is open.
 void write_classes(JsonWriter& json, const Metrics& metrics);
-void write_measures(JsonWriter& json, const Measures& measures,
-                    const std::vector<std::string>& body_names);
+void write_measures(JsonWriter& json, const Measures& measures);
 
 }  // namespace tandem::demos

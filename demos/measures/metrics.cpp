@@ -77,49 +77,7 @@ bool just_jumped(const std::vector<consensus::SessionTime>& jumps, consensus::Se
   return after != jumps.begin() && time - *(after - 1) < window;
 }
 
-/// One use of a remote state.
-struct Prediction {
-  double error = 0.0;   ///< m
-  double euler = -1.0;  ///< m, of Euler's prediction; < 0: unknown
-  TrackSample body;     ///< as it is at its sender
-  bool owned = false;
-  bool jumped = false;
-};
-
-template <class Visit>
-void for_predictions(std::span<const PeerRecord> peers, const EvaluationOptions& options,
-                     const Visit& visit) {
-  if (peers.empty()) return;
-  const auto jumps = jump_times(peers);
-  for (const PeerRecord& peer : peers) {
-    for (const PredictionSample& sample : peer.predictions) {
-      const std::size_t body = sample.body;
-      const PeerRecord* sender = find_peer(peers, sample.from);
-      if (sender == nullptr || body >= sender->tracks.size()) continue;
-      const auto truth = sender->tracks[body].at(sample.time, options.max_gap);
-      if (!truth) continue;
-      Prediction p;
-      p.body = *truth;
-      p.error = (sample.position - truth->position).norm();
-      // What was sent is a sample of the sender's track.
-      const auto late = static_cast<consensus::SessionTime>(std::llround(1e9 * sample.age));
-      const auto sent = sender->tracks[body].at(sample.time - late, options.max_gap);
-      if (sent) {
-        p.euler = (sent->position + sample.age * sent->velocity - truth->position).norm();
-      }
-      // Who holds it is known here at both ends.
-      if (body < peer.tracks.size()) {
-        const auto own = peer.tracks[body].at(sample.time, options.max_gap);
-        if (own) p.body.users += own->users;
-      }
-      p.owned = is_owned(*sender, body) || is_owned(peer, body);
-      p.jumped = body < jumps.size() && just_jumped(jumps[body], sample.time, options.jump_window);
-      visit(p);
-    }
-  }
-}
-
-void add_classes(std::span<const PeerRecord> peers, const EvaluationOptions& options, Metrics& m) {
+void add_classes(std::span<const PeerRecord> peers, Metrics& m) {
   std::array<std::vector<double>, kObjectClasses> distance, angle;
   std::vector<double> calm, shared, moving;
   for (const DivergenceSample& sample : m.samples) {
@@ -135,12 +93,9 @@ void add_classes(std::span<const PeerRecord> peers, const EvaluationOptions& opt
   m.shared_m = distribution(shared);
   m.shared_moving_m = distribution(moving);
   m.calm_m = distribution(calm);
-  ClassErrors errors = prediction_errors_by_class(peers, options);
   for (std::size_t c = 0; c < kObjectClasses; ++c) {
     m.object_m[c] = distribution(distance[c]);
     m.object_deg[c] = distribution(angle[c]);
-    m.object_prediction_m[c] = distribution(errors.predicted[c]);
-    m.object_euler_m[c] = distribution(errors.euler[c]);
   }
   for (const PeerRecord& peer : peers) {
     for (const Input& input : peer.inputs) m.jumps += input.kind == Input::Kind::Jump ? 1 : 0;
@@ -303,19 +258,14 @@ std::vector<DivergenceSample> divergence(std::span<const PeerRecord> peers,
 std::vector<double> prediction_errors(std::span<const PeerRecord> peers,
                                       const EvaluationOptions& options) {
   std::vector<double> errors;
-  for_predictions(peers, options, [&errors](const Prediction& p) { errors.push_back(p.error); });
-  return errors;
-}
-
-ClassErrors prediction_errors_by_class(std::span<const PeerRecord> peers,
-                                       const EvaluationOptions& options) {
-  ClassErrors errors;
-  for_predictions(peers, options, [&errors](const Prediction& p) {
-    if (p.jumped || p.euler < 0.0) return;
-    const auto c = static_cast<std::size_t>(object_class(std::span(&p.body, 1), p.owned));
-    errors.predicted[c].push_back(p.error);
-    errors.euler[c].push_back(p.euler);
-  });
+  for (const PeerRecord& peer : peers) {
+    for (const PredictionSample& sample : peer.predictions) {
+      const PeerRecord* sender = find_peer(peers, sample.from);
+      if (sender == nullptr || sample.body >= sender->tracks.size()) continue;
+      const auto truth = sender->tracks[sample.body].at(sample.time, options.max_gap);
+      if (truth) errors.push_back((sample.position - truth->position).norm());
+    }
+  }
   return errors;
 }
 
@@ -329,7 +279,7 @@ Metrics evaluate(std::span<const PeerRecord> peers, const EvaluationOptions& opt
     *target = distances(m.samples, &motion);
   }
   m.divergence_deg = degrees(m.samples);
-  if (!peers.empty()) add_classes(peers, options, m);
+  if (!peers.empty()) add_classes(peers, m);
   std::vector<double> errors = prediction_errors(peers, options);
   m.prediction_error_m = distribution(errors);
   std::vector<double> ages;

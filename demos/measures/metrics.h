@@ -72,22 +72,12 @@ ObjectClass object_class(std::span<const TrackSample> instances, bool owned);
 std::vector<double> prediction_errors(std::span<const PeerRecord> peers,
                                       const EvaluationOptions& options = {});
 
-/// Errors (m) of each class, as the body is at its sender; jumps are left out.
-struct ClassErrors {
-  std::array<std::vector<double>, kObjectClasses> predicted;
-  /// What Euler's prediction, [friston] Eq. 3, would have made of the same states.
-  std::array<std::vector<double>, kObjectClasses> euler;
-};
-ClassErrors prediction_errors_by_class(std::span<const PeerRecord> peers,
-                                       const EvaluationOptions& options = {});
-
 /// What a run comes to. NaN = unknown.
 struct Metrics {
   Distribution divergence_m, contested_m, moving_m, resting_m;
   Distribution divergence_deg;
   /// Of each class, jumps left out.
-  std::array<Distribution, kObjectClasses> object_m, object_deg, object_prediction_m,
-      object_euler_m;
+  std::array<Distribution, kObjectClasses> object_m, object_deg;
   Distribution calm_m;                     ///< divergence of all but owned bodies that jumped
   Distribution shared_m, shared_moving_m;  ///< of what nobody owns; of that what does not rest
   std::size_t jumps = 0;                   ///< how often an owner put a body somewhere else

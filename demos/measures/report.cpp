@@ -246,7 +246,7 @@ std::string report_json(const Report& r) {
   json.end_object();
   json.field("cpu_s", r.run.cpu_s > 0.0 ? r.run.cpu_s : Distribution::kNone);
   write_classes(json, m);
-  write_measures(json, r.measures, r.body_names);
+  write_measures(json, r.measures);
   json.field("hash", format("%016llx", static_cast<unsigned long long>(m.hash)));
   json.end_object();
   return json.text();

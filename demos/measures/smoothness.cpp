@@ -155,7 +155,6 @@ Smoothness smoothness(std::span<const PeerRecord> peers) {
   result.speed_rms = rms(all.speed);
   result.high_pass_rms_m = rms(all.fast);
   result.acceleration = distribution(all.acceleration);
-  result.jerk = distribution(all.jerk);
   result.high_pass_m = distribution(all.fast);
   result.resting_high_pass_m = distribution(all.resting);
   result.arc_length = distribution(all.arc);

@@ -28,9 +28,8 @@ struct Smoothness {
   static constexpr double kPop = 5e-3;    ///< m, corrections above this in one step are pops
 
   Distribution acceleration;  ///< m/s^2, second difference of the position as it is shown
-  Distribution jerk;          ///< m/s^3, third difference
-  double jerk_rms = Distribution::kNone;
-  Distribution high_pass_m;  ///< length of what is faster than kCutoff in the position
+  double jerk_rms = Distribution::kNone;  ///< m/s^3, third difference
+  Distribution high_pass_m;               ///< length of what is faster than kCutoff in the position
   double high_pass_rms_m = Distribution::kNone;
   Distribution resting_high_pass_m;  ///< the same of what rests
   Distribution arc_length;           ///< of each stretch of motion of at least half a second

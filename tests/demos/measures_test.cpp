@@ -288,22 +288,6 @@ TEST_CASE("metrics: what has just jumped is told apart and stays in the whole", 
   CHECK(m.shared_m.count == 0);
 }
 
-TEST_CASE("metrics: Euler's prediction is judged by the same states", "[demos][analytic]") {
-  std::vector<PeerRecord> peers{peer(1), peer(2)};
-  for (int i = 0; i < 60; ++i) {
-    const double t = i / kRate;
-    TrackSample s = at(step_time(i), Vec3(0, 0, -4.905 * t * t), Vec3(0, 0, -9.81 * t));
-    peers[1].tracks[0].push(s);
-  }
-  // Falls for 0.1 s more than Euler knows; the prediction made is 1 mm off.
-  const Vec3 truth = peers[1].tracks[0].samples()[36].position;
-  peers[0].predictions.push_back({2, 0, step_time(36), 0.1, truth + Vec3(0.001, 0, 0)});
-  const Metrics m = evaluate(peers);
-  const auto free = static_cast<std::size_t>(ObjectClass::Free);
-  CHECK(m.object_prediction_m[free].p50 == Approx(0.001));
-  CHECK(m.object_euler_m[free].p50 == Approx(0.5 * 9.81 * 0.01));
-}
-
 TEST_CASE("metrics: whiskers end at the last values within 1.5 boxes", "[demos][unit]") {
   std::vector<double> values{1, 2, 3, 4, 5, 6, 7, 8, 13, 100};
   const Distribution d = distribution(values);
