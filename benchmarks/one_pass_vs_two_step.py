@@ -10,13 +10,12 @@
 
 A section is a module in one_pass_vs_two_step/ with two functions: measure(binaries, results, seeds,
 jobs, quick) writes tables into the folder of results; report(results, docs) turns them into a section of
-text, writes its long tables as CSV beside the page and draws its figures beside the results. The first
-paragraph of a section is its finding, which the page shows at its head. Where the folder has no results of
-a section, the page keeps its text of it.
+text and writes its long tables as CSV beside the page. The first paragraph of a section is its finding,
+which the page shows at its head. Where the folder has no results of a section, the page keeps its text of
+it.
 """
 import argparse
 import importlib
-import os
 import re
 import sys
 import time
@@ -27,18 +26,10 @@ sys.dont_write_bytecode = True
 sys.path[:0] = [str(HERE), str(HERE / "one_pass_vs_two_step"), str(HERE / "evaluation")]
 SECTIONS = {"couplings": "## The couplings", "pareto": "## Error against run time",
             "stability": "## Which shares are stable at which delay",
-            "extreme": "## Stiff and extreme, with two and more peers", "influence": "## Influence",
-            "predictors": "## Which prediction with which share",
+            "extreme": "## Stiff and extreme, with two and more peers",
             "ablation": "## What each part is worth"}
 
 import pages
-
-try:
-    import matplotlib, scour  # noqa: E401, F401
-except ImportError:
-    # Another Python of this machine may be able to draw.
-    if sys.executable != "/usr/bin/python3" and Path("/usr/bin/python3").exists():
-        os.execv("/usr/bin/python3", ["/usr/bin/python3", *sys.argv])
 
 HEAD = """# One pass against two steps
 

@@ -31,23 +31,7 @@ MEASURES = {
     "e_velocity_J": ("energy_J.velocity_agreement", 1.0),
     "e_potential_J": ("energy_J.potential", 1.0),
 }
-COLUMNS = ["stable", "success", *MEASURES]
-
-
-def success(scenario, outcome):
-    """How much of what the users set out to do was done, 0 to 1, at the peer where it was least."""
-    scores = []
-    for peer in outcome.values():
-        if scenario == "cubes":
-            scores.append(peer["cubes_in_stacks"] / 12.0)
-        elif scenario == "room":
-            scores.append((peer["box_handed_over"] + peer["blocks_stacked"] / 4.0
-                           + (peer["bench_moved_m"] > 0.4) + peer["hull_on_shelf"]) / 4.0)
-        elif scenario == "piano":
-            scores.append(peer["delivered"])
-        elif scenario == "cliff":
-            scores.append(1.0 - peer["lost"] / 1000.0)
-    return min(max(s, 0.0) for s in scores) if scores else None
+COLUMNS = ["stable", *MEASURES]
 
 
 def seeds(count):
@@ -96,7 +80,6 @@ def _run(binaries, folder, cell, keys):
         return row | dict.fromkeys(COLUMNS) | {"stable": 0}
     result = json.loads(text)
     row["stable"] = int(result["stable"])
-    row["success"] = success(cell["scenario"], result["outcome"])
     for name, (path, factor) in MEASURES.items():
         value = stats.get(result, path)
         row[name] = None if value is None else f"{factor * value:.6g}"
