@@ -19,7 +19,7 @@ enum class Message : std::uint8_t { Inputs, Ask, Welcome };
 
 pbd::SolverOptions solver_of(const demos::DemoOptions& demo, const RollbackOptions& options,
                              std::size_t number) {
-  pbd::SolverOptions result = demo.solver_options();
+  pbd::SolverOptions result = demo.solver;
   if (number == 1) result.substeps = options.other_substeps.value_or(result.substeps);
   return result;
 }

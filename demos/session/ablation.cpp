@@ -42,11 +42,10 @@ class OneChannel final : public Physics {
   pbd::StepReport report_;
 };
 
-/// Targets that say less.
+/// Targets without velocities.
 class PlainTargets final : public pbd::TargetSource {
  public:
-  PlainTargets(pbd::TargetSource& source, const Ablation& ablation)
-      : source_(source), ablation_(ablation) {}
+  explicit PlainTargets(pbd::TargetSource& source) : source_(source) {}
 
   void collect(const pbd::World& world, double dt, const pbd::SolverOptions& options,
                std::vector<pbd::PoseTarget>& out) override {
@@ -55,36 +54,25 @@ class PlainTargets final : public pbd::TargetSource {
     for (std::size_t i = first; i < out.size(); ++i) {
       pbd::PoseTarget& target = out[i];
       if (target.share >= 1.0) continue;  // owners are no agreement
-      if (ablation_.lacks(Part::Velocities)) target.twist = world.twist(target.body);
-      if (ablation_.lacks(Part::Motion)) target.motion = pbd::TargetMotion::Inertial;
-      if (ablation_.lacks(Part::Rotation)) target.use_rotation_error = false;
+      target.twist = world.twist(target.body);
     }
   }
 
  private:
   pbd::TargetSource& source_;
-  const Ablation& ablation_;
 };
 
 }  // namespace
 
 std::string_view to_string(Part part) {
-  constexpr std::array<std::string_view, kParts> kNames{"channels",    "velocities", "motion",
-                                                        "rotation",    "initiative", "leading",
-                                                        "arbitration", "ramp",       "refine"};
+  constexpr std::array<std::string_view, kParts> kNames{"channels", "velocities", "initiative",
+                                                        "leading"};
   return kNames[static_cast<std::size_t>(part)];
 }
 
-void Ablation::apply(pbd::SolverOptions& options) const {
-  if (lacks(Part::Refine)) options.refine = false;
-}
-
 void Ablation::apply(consensus::PeerOptions& options) const {
-  consensus::InfluenceOptions& influence = options.influence;
-  if (lacks(Part::Leading)) influence.leading = 0.0;
+  if (lacks(Part::Leading)) options.influence.leading = 0.0;
   if (lacks(Part::Initiative)) options.initiative = false;
-  if (lacks(Part::Arbitration)) options.arbitration = false;
-  if (lacks(Part::Ramp)) options.authority_ramp = 0.0;
 }
 
 std::unique_ptr<Physics> Ablation::around(std::unique_ptr<Physics> physics) const {
@@ -93,8 +81,8 @@ std::unique_ptr<Physics> Ablation::around(std::unique_ptr<Physics> physics) cons
 }
 
 std::unique_ptr<pbd::TargetSource> Ablation::around(pbd::TargetSource& source) const {
-  if (!lacks(Part::Velocities) && !lacks(Part::Motion) && !lacks(Part::Rotation)) return nullptr;
-  return std::make_unique<PlainTargets>(source, *this);
+  if (!lacks(Part::Velocities)) return nullptr;
+  return std::make_unique<PlainTargets>(source);
 }
 
 }  // namespace tandem::demos

@@ -11,23 +11,17 @@
 #include "session/physics.h"
 #include "tandem/consensus/peer.h"
 #include "tandem/pbd/pose_target.h"
-#include "tandem/pbd/solver.h"
 
 namespace tandem::demos {
 
 /// A part of the agreement that can be left out to see what it is worth.
 enum class Part : std::uint8_t {
-  Channels,     ///< the displacement channel: what agreement moves becomes velocity as well
-  Velocities,   ///< agreement of velocities: targets move as the body here does
-  Motion,       ///< a target feels what the body feels: it goes on straight within the step
-  Rotation,     ///< the exact rotation mean: plain geodesics to the target instead
-  Initiative,   ///< who acted last leads
-  Leading,      ///< a leader's higher share, but not that it leads
-  Arbitration,  ///< the lower id decides where no average helps
-  Ramp,         ///< authority that grows from zero
-  Refine,       ///< more substeps where they are needed
+  Channels,    ///< the displacement channel: what agreement moves becomes velocity as well
+  Velocities,  ///< agreement of velocities: targets move as the body here does
+  Initiative,  ///< who acted last leads
+  Leading,     ///< a leader's higher share, but not that it leads
 };
-inline constexpr std::size_t kParts = 9;
+inline constexpr std::size_t kParts = 4;
 std::string_view to_string(Part part);
 
 /// The parts that a run does without.
@@ -37,7 +31,6 @@ class Ablation {
   bool any() const { return parts_.any(); }
   void leave_out(Part part) { parts_.set(static_cast<std::size_t>(part)); }
 
-  void apply(pbd::SolverOptions& options) const;
   void apply(consensus::PeerOptions& options) const;
   /// The physics, or what leaves Part::Channels out around it.
   std::unique_ptr<Physics> around(std::unique_ptr<Physics> physics) const;

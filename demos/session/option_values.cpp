@@ -39,14 +39,11 @@ Print print(std::string_view text) {
 }
 
 Scheme scheme(std::string_view option, std::string_view text) {
-  for (int i = 0; i <= static_cast<int>(Scheme::Pd); ++i) {
+  for (int i = 0; i <= static_cast<int>(Scheme::SingleOwner); ++i) {
     const auto value = static_cast<Scheme>(i);
     if (text == to_string(value)) return value;
   }
-  refuse(
-      option, text,
-      "one-pass, one-pass-plain, two-step-paper, two-step-plain, two-step, none, single-owner or "
-      "pd");
+  refuse(option, text, "one-pass, two-step-paper, two-step, none or single-owner");
 }
 
 std::string address(std::string_view text) {

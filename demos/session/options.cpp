@@ -27,7 +27,6 @@ struct DemoOption {
 constexpr double kEndless = 3600.0;  // s, of users' scripts
 constexpr std::string_view kChance = "a number from 0 to 0.99";
 constexpr std::string_view kPort = "a port from 0 (any) to 65535";
-constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 constexpr std::uint64_t kMax64 = std::numeric_limits<std::uint64_t>::max();
 
 template <bool DemoOptions::*Member>
@@ -293,17 +292,13 @@ void check_together(const DemoOptions& o, std::string_view virtual_only,
 /// What a scheme is made of.
 void apply(Scheme scheme, consensus::PeerOptions& options) {
   using consensus::Coupling;
-  const bool as_published = scheme == Scheme::OnePassPlain || scheme == Scheme::TwoStepPaper ||
-                            scheme == Scheme::TwoStepPlain || scheme == Scheme::Pd;
-  if (as_published) options = consensus::with_published_rules(std::move(options));
   options.two_step_thresholds = scheme == Scheme::TwoStepPaper;
+  if (options.two_step_thresholds) options = consensus::with_published_rules(std::move(options));
   switch (scheme) {
     case Scheme::OnePass:
-    case Scheme::OnePassPlain:
       options.coupling = Coupling::OnePass;
       break;
     case Scheme::TwoStepPaper:
-    case Scheme::TwoStepPlain:
     case Scheme::TwoStep:
       options.coupling = Coupling::TwoStep;
       break;
@@ -313,13 +308,6 @@ void apply(Scheme scheme, consensus::PeerOptions& options) {
     case Scheme::SingleOwner:
       options.coupling = Coupling::SingleOwner;
       options.predictor = consensus::PredictorKind::Euler;
-      break;
-    case Scheme::Pd:
-      // Its force has a limit of its own.
-      options.robust.max_correction = options.robust.max_turn = kUnlimited;
-      options.robust.max_velocity_correction = options.robust.max_spin_correction = kUnlimited;
-      // A spring is not stable against a turning body that is said to stand still.
-      options.prediction.extrapolates_orientation = true;
       break;
   }
 }
@@ -346,17 +334,8 @@ consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   return result;
 }
 
-pbd::SolverOptions DemoOptions::solver_options() const {
-  pbd::SolverOptions result = solver;
-  ablation.apply(result);
-  return result;
-}
-
 Scheme DemoOptions::scheme_of(std::size_t peer) const {
-  if (engine(peer) == Engine::Tandem) return scheme;
-  if (scheme == Scheme::OnePass) return Scheme::TwoStep;
-  if (scheme == Scheme::OnePassPlain) return Scheme::TwoStepPlain;
-  return scheme == Scheme::Pd ? Scheme::TwoStepPaper : scheme;
+  return engine(peer) != Engine::Tandem && scheme == Scheme::OnePass ? Scheme::TwoStep : scheme;
 }
 
 consensus::LinkOptions DemoOptions::link_options() const {

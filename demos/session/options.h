@@ -22,13 +22,10 @@ namespace tandem::demos {
 /// How copies are kept together: a coupling, and the prediction and rules of influence before it.
 enum class Scheme : std::uint8_t {
   OnePass,
-  OnePassPlain,  ///< with the prediction and rules of TwoStepPaper: what the coupling alone does
   TwoStepPaper,  ///< as published: sleeping thresholds, linear extrapolation, constant share
-  TwoStepPlain,  ///< the same without thresholds: what OnePassPlain is to be compared with
   TwoStep,       ///< without thresholds and with all that one-pass has but the pass
   None,          ///< users' springs alone
   SingleOwner,   ///< with linear extrapolation
-  Pd,            ///< virtual coupling, with the prediction and rules of TwoStepPaper
 };
 
 /// Where session time comes from over UDP; over TCP it is the system clock's. In virtual time it is
@@ -131,8 +128,6 @@ struct DemoOptions {
   /// Another engine has no pass that targets could be in, and is not asked for forces: it takes two
   /// steps by the same rules.
   Scheme scheme_of(std::size_t peer) const;
-  /// With what the run does without.
-  pbd::SolverOptions solver_options() const;
   consensus::PeerOptions peer_options() const { return peer_options(scheme); }
   /// The same for a peer that does it another way.
   consensus::PeerOptions peer_options(Scheme other) const;

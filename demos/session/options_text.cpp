@@ -64,12 +64,12 @@ Session:
                      next one's, and off-grid: peers step at times of their own, and not at
                      multiples of the step of the session's time
   --influence X      baseline share per 1/60 s, 0 to 0.99; 0 = no agreement (0.08)
-  --coupling A[,B]   one-pass, one-pass-plain, two-step, two-step-plain, two-step-paper,
-                     single-owner, pd or none (one-pass); beside B, one of them or nothing (as the
-                     scene proposes; nothing where results are for programs, or A was chosen)
+  --coupling A[,B]   one-pass, two-step, two-step-paper, single-owner or none (one-pass); beside B,
+                     one of them or nothing (as the scene proposes; nothing where results are for
+                     programs, or A was chosen)
   --mode soft|asymmetric|hard      what users' springs are to the others (soft)
   --predictor none|euler|replay
-                     (replay; euler with plain, paper, single-owner and pd)
+                     (replay; euler with two-step-paper and single-owner)
   --agreement KEY=VALUE,..  share of the gap to the replayed mean that is closed per 1/60 s, above 0
                      to 1 (0.25); budget, steps replayed for each step, 1 to 1000 (4; 1000 = a new
                      replay in each); inputs=known|common, of users' springs, what a replay knows
@@ -82,8 +82,7 @@ Session:
   --engines E,E,..   tandem or bullet, of the peers, in turn (tandem); bullet takes two steps
   --substeps N       of Tandem's solver (4)
   --iterations N[,M]  sweeps of Tandem's pass in each substep (1), and of Bullet's solver (10)
-  --ablate PART,..   do without, to see what it is worth: channels, velocities, motion, rotation,
-                     initiative, leading, arbitration, ramp, refine
+  --ablate PART,..   do without, to see what it is worth: channels, velocities, initiative, leading
   --variant NAME     of the scenario, where it has any
   --view [[ADDRESS:]PORT]  serve a page that shows the run, until ctrl-c unless --seconds is given;
                      its address is printed (docs/view.md); to this machine alone unless a numeric
@@ -127,22 +126,16 @@ std::string_view to_string(Scheme scheme) {
   switch (scheme) {
     case Scheme::OnePass:
       return "one-pass";
-    case Scheme::OnePassPlain:
-      return "one-pass-plain";
     case Scheme::TwoStepPaper:
       return "two-step-paper";
-    case Scheme::TwoStepPlain:
-      return "two-step-plain";
     case Scheme::TwoStep:
       return "two-step";
     case Scheme::None:
       return "none";
     case Scheme::SingleOwner:
-      return "single-owner";
-    case Scheme::Pd:
       break;
   }
-  return "pd";
+  return "single-owner";
 }
 
 }  // namespace tandem::demos

@@ -79,8 +79,8 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
       bounds_(scenario.bounds()),
       scene_(scenario.build(scene_options(options, number, scenario.user_count()))),
       bodies_(scene_),
-      physics_(options.ablation.around(make_physics(
-          options.engine(number), scene_, options.bullet_iterations, options.solver_options()))),
+      physics_(options.ablation.around(
+          make_physics(options.engine(number), scene_, options.bullet_iterations, options.solver))),
       // In virtual time all but the peers' own times are true ones.
       signals_(transport, options.over_network() ? options.peer_options().timestamps
                                                  : consensus::TimestampSource::Sender),
@@ -109,9 +109,6 @@ void Participant::make_peer(const DemoOptions& options) {
   peer_->set_observer(this);
   targets_ = options.ablation.around(*peer_);
   if (targets_ != nullptr) scene_.world->set_target_source(targets_.get());
-  if (options.scheme_of(number_) == Scheme::Pd) {
-    pull_.emplace(*scene_.world, *peer_);
-  }
   for (const SceneBody& body : scene_.bodies) {
     peer_->share({.id = body.id, .body = body.body, .owner = owner_of(options, body)});
   }
@@ -120,7 +117,6 @@ void Participant::make_peer(const DemoOptions& options) {
 void Participant::change_rules(const DemoOptions& options) {
   // Targets that are asked for in its place end with it.
   targets_.reset();
-  pull_.reset();
   if (watch_ != nullptr) watch_->rules(options);
   make_peer(options);
   if (watch_ != nullptr) watch_->attach(scene_, *peer_);
@@ -202,7 +198,6 @@ void Participant::begin(consensus::SessionTime now) {
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position;
   const double cpu_before = pbd::thread_cpu_seconds();
   peer_->before_step(now + clock_ahead_);
-  if (pull_) pull_->pull(now + clock_ahead_);
   record_.cpu_s += pbd::thread_cpu_seconds() - cpu_before;
   if (watch_ != nullptr) watch_->told();
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = scene_.pose(i).position - moved_[i];

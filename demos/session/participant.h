@@ -15,7 +15,6 @@
 #include "session/signals.h"
 #include "session/step_watch.h"
 #include "session/track.h"
-#include "session/virtual_coupling.h"
 #include "tandem/collision/contact_events.h"
 #include "tandem/consensus/nearby_interest.h"
 #include "tandem/consensus/peer.h"
@@ -108,7 +107,6 @@ class Participant final : private consensus::PeerObserver {
   std::optional<consensus::Peer> peer_;                ///< always there; controls keep its address
   std::optional<consensus::NearbyInterest> interest_;  ///< none: all are told of everything
   std::unique_ptr<pbd::TargetSource> targets_;         ///< null: the peer is asked
-  std::optional<VirtualCoupling> pull_;                ///< of Scheme::Pd
   consensus::PeerObserver* observer_ = nullptr;
   std::vector<Seat> seats_;
   std::unique_ptr<Referee> referee_;

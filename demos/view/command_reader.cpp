@@ -116,9 +116,9 @@ Command read_set(const Fields& fields) {
     return SetInfluence{in.number("value", 0.0, kMaxInfluence, "from 0 to 0.5")};
   }
   if (name == "predictor") return SetPredictor{named(in, consensus::PredictorKind::Replay)};
-  if (name == "scheme") return SetScheme{named(in, Scheme::Pd)};
+  if (name == "scheme") return SetScheme{named(in, Scheme::SingleOwner)};
   if (name == "beside") {
-    return in.is_null("value") ? SetBeside{} : SetBeside{named(in, Scheme::Pd)};
+    return in.is_null("value") ? SetBeside{} : SetBeside{named(in, Scheme::SingleOwner)};
   }
   fields.refuse("name", "paused, speed, profile, influence, predictor, scheme or beside");
 }

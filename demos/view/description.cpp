@@ -112,7 +112,7 @@ void write_choices(JsonWriter& json) {
     json.value(to_string(static_cast<consensus::PredictorKind>(kind)));
   }
   json.end_array().key("scheme").begin_array();
-  for (int scheme = 0; scheme <= static_cast<int>(Scheme::Pd); ++scheme) {
+  for (int scheme = 0; scheme <= static_cast<int>(Scheme::SingleOwner); ++scheme) {
     json.value(to_string(static_cast<Scheme>(scheme)));
   }
   json.end_array().key("speed").begin_array().value(kMinSpeed).value(kMaxSpeed).end_array();

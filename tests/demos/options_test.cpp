@@ -36,7 +36,7 @@ TEST_CASE("options: nothing given is a virtual run of two peers", "[demos][unit]
   CHECK(o.predictor_kind() == consensus::PredictorKind::Replay);
 }
 
-TEST_CASE("options: what a run does without reaches solver and peer", "[demos][unit]") {
+TEST_CASE("options: what a run does without reaches the peer", "[demos][unit]") {
   CHECK_FALSE(parse({}).ablation.any());
   const std::string help = usage_of_all("cubes");
   for (std::size_t i = 0; i < kParts; ++i) {
@@ -45,12 +45,11 @@ TEST_CASE("options: what a run does without reaches solver and peer", "[demos][u
     CHECK(help.find(name) != std::string::npos);
     CHECK(parse({"--ablate", name}).ablation.lacks(static_cast<Part>(i)));
   }
-  const DemoOptions o = parse({"--ablate", "refine,leading", "--substeps", "7"});
-  CHECK_FALSE(o.solver_options().refine);
-  CHECK(o.solver_options().substeps == 7);
+  const DemoOptions o = parse({"--ablate", "velocities,leading", "--substeps", "7"});
+  CHECK(o.solver.substeps == 7);
   CHECK(o.peer_options().influence.leading == 0.0);
   CHECK(o.peer_options().initiative);
-  CHECK_FALSE(refusal({"--ablate", "ramp,nonsense"}).empty());
+  CHECK_FALSE(refusal({"--ablate", "leading,nonsense"}).empty());
 }
 
 TEST_CASE("options: every option reaches its field, in both spellings", "[demos][unit]") {
@@ -95,7 +94,7 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.json == "-");
   CHECK(o.csv == "out");
   CHECK(o.quiet());
-  CHECK(o.solver_options().position_iterations == 2);
+  CHECK(o.solver.position_iterations == 2);
   CHECK(o.bullet_iterations == 20);
   CHECK(o.link_options().loss == 0.1);
   CHECK(o.link_options().duplicate == 0.2);
@@ -120,7 +119,7 @@ TEST_CASE("options: what a run is shown beside", "[demos][unit]") {
   CHECK(two.beside == Scheme::SingleOwner);
   CHECK_FALSE(two.alone);
   CHECK(parse({"--coupling", "one-pass,nothing"}).alone);
-  CHECK_FALSE(parse({"--coupling", "one-pass,none", "--coupling", "pd"}).beside);
+  CHECK_FALSE(parse({"--coupling", "one-pass,none", "--coupling", "two-step"}).beside);
   CHECK(refusal({"--coupling", "one-pass,nobody"}).find("--coupling must be one-pass, ") == 0);
   CHECK(refusal({"--coupling", "nothing"}).find("--coupling must be one-pass, ") == 0);
   CHECK(refusal({"--coupling", "none,none,none"}) ==
@@ -177,8 +176,7 @@ TEST_CASE("options: couplings that are compared differ in what they say and in n
   using consensus::Coupling;
   using consensus::PredictorKind;
   const auto of = [](std::string_view name) { return parse({"--coupling", name}).peer_options(); };
-  for (const char* name : {"one-pass", "one-pass-plain", "two-step-paper", "two-step-plain",
-                           "two-step", "none", "single-owner", "pd"}) {
+  for (const char* name : {"one-pass", "two-step-paper", "two-step", "none", "single-owner"}) {
     CHECK(to_string(parse({"--coupling", name}).scheme) == name);
   }
   CHECK(of("one-pass").coupling == Coupling::OnePass);
@@ -188,25 +186,19 @@ TEST_CASE("options: couplings that are compared differ in what they say and in n
   CHECK(two_step.influence.limits_guesses);
   CHECK(two_step.initiative);
   CHECK_FALSE(two_step.two_step_thresholds);
-  for (const char* name : {"two-step-paper", "two-step-plain"}) {
-    const consensus::PeerOptions paper = of(name);
-    CHECK(paper.coupling == Coupling::TwoStep);
-    CHECK(paper.predictor == PredictorKind::Euler);
-    CHECK_FALSE(paper.prediction.extrapolates_orientation);
-    CHECK_FALSE(paper.initiative);
-    CHECK(paper.authority_ramp == 0.0);
-    CHECK_FALSE(paper.influence.limits_guesses);
-    CHECK(paper.two_step_thresholds == (std::string_view(name) == "two-step-paper"));
-  }
-  CHECK(of("one-pass-plain").coupling == Coupling::OnePass);
-  CHECK(of("one-pass-plain").predictor == PredictorKind::Euler);
-  CHECK_FALSE(of("one-pass-plain").initiative);
+  const consensus::PeerOptions paper = of("two-step-paper");
+  CHECK(paper.coupling == Coupling::TwoStep);
+  CHECK(paper.predictor == PredictorKind::Euler);
+  CHECK_FALSE(paper.prediction.extrapolates_orientation);
+  CHECK_FALSE(paper.initiative);
+  CHECK(paper.authority_ramp == 0.0);
+  CHECK_FALSE(paper.influence.limits_guesses);
+  CHECK(paper.two_step_thresholds);
   CHECK(of("none").coupling == Coupling::None);
   CHECK(of("single-owner").coupling == Coupling::SingleOwner);
   CHECK(of("single-owner").predictor == PredictorKind::Euler);
-  CHECK(of("pd").predictor == PredictorKind::Euler);
   // What is said counts.
-  CHECK(parse({"--coupling=pd", "--predictor", "none"}).peer_options().predictor ==
+  CHECK(parse({"--coupling=two-step-paper", "--predictor", "none"}).peer_options().predictor ==
         PredictorKind::None);
 }
 
@@ -282,8 +274,7 @@ TEST_CASE("options: a refusal says what must be and what is", "[demos][fault]") 
   CHECK(refusal({"--predictor", "Euler"}) ==
         "--predictor must be none, euler or replay, is 'Euler'");
   CHECK(refusal({"--coupling", ""}) ==
-        "--coupling must be one-pass, one-pass-plain, two-step-paper, two-step-plain, two-step, "
-        "none, single-owner or pd, is ''");
+        "--coupling must be one-pass, two-step-paper, two-step, none or single-owner, is ''");
   CHECK(refusal({"--listen", "65536"}) ==
         "--listen must be a port from 0 (any) to 65535, is '65536'");
   for (const char* bad : {"host", "host:", ":80", "host:0", "host:65536", "host:8x"}) {
@@ -308,8 +299,8 @@ TEST_CASE("options: what is unknown is told with what was meant", "[demos][fault
   CHECK(refusal({"--bogus"}) == "unknown option '--bogus'; --help-all lists what there is");
   CHECK(refusal({"-q"}) == "unknown option '-q'; --help-all lists what there is");
   CHECK(refusal({"--link", "los=0.1"}) == "unknown item of --link 'los'; did you mean 'loss'?");
-  CHECK(refusal({"--ablate", "ramp,refin"}) ==
-        "unknown part for --ablate 'refin'; did you mean 'refine'?");
+  CHECK(refusal({"--ablate", "leading,channel"}) ==
+        "unknown part for --ablate 'channel'; did you mean 'channels'?");
 }
 
 TEST_CASE("options: results that cannot be written are found before the run", "[demos][fault]") {

@@ -37,7 +37,7 @@ constexpr Sample kEverywhere[] = {{"--seconds", "7.5"},
                                   {"--engines", "tandem,tandem"},
                                   {"--substeps", "7"},
                                   {"--iterations", "2,20"},
-                                  {"--ablate", "ramp,refine"},
+                                  {"--ablate", "initiative,leading"},
                                   {"--variant", "soft"}};
 /// What says where results go, who is met and how, or what another option says.
 constexpr std::string_view kOthers[] = {

@@ -232,7 +232,7 @@ TEST_CASE("hello: says what there is to draw and to choose", "[demos][view][unit
   CHECK(hello["settings"]["scheme"] == "one-pass");
   CHECK(hello["settings"]["beside"].is_null());
   CHECK(hello["peers"][0]["beside"] == false);
-  CHECK(hello["choices"]["scheme"].size() == 8);
+  CHECK(hello["choices"]["scheme"].size() == 5);
   CHECK(hello["choices"]["predictor"].size() == 3);
   settings.profile.reset();
   const Layout far = make_layout("cubes", scene, 20.0, {{1, 60.0, "tandem"}}, false);
@@ -375,7 +375,7 @@ TEST_CASE("command: whatever comes is understood or refused", "[demos][view][fuz
       R"({"type":"set","name":"paused","value":false})",
       R"({"type":"set","name":"speed","value":1.5})",
       R"({"type":"set","name":"influence","value":0.25})",
-      R"({"type":"set","name":"scheme","value":"pd"})",
+      R"({"type":"set","name":"scheme","value":"none"})",
       R"({"type":"want","overlays":true})",
       R"({"type":"ping","time":3})"};
   constexpr std::string_view kPieces[] = {"1e308", "1e999", "-",    "null", "NaN", "{}",  "[",

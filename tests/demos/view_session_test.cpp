@@ -155,7 +155,7 @@ TEST_CASE("live session: another link, scheme, predictor or influence moves noth
   CHECK(session.settings().profile == 5);
   change(SetInfluence{0.2});
   CHECK(session.settings().influence == 0.2);
-  for (int i = 0; i <= static_cast<int>(Scheme::Pd); ++i) {
+  for (int i = 0; i <= static_cast<int>(Scheme::SingleOwner); ++i) {
     INFO(to_string(static_cast<Scheme>(i)));
     change(SetScheme{static_cast<Scheme>(i)});
     CHECK(session.settings().scheme == static_cast<Scheme>(i));

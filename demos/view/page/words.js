@@ -26,9 +26,8 @@ export function sentenceOf(scene) {
 }
 
 const SCHEMES = {
-  'one-pass': 'Agreement', 'one-pass-plain': 'Agreement, plain', 'two-step': 'Two steps',
-  'two-step-plain': 'Two steps, plain', 'two-step-paper': 'Two steps, as published',
-  none: 'No agreement', 'single-owner': 'Single owner', pd: 'Virtual coupling',
+  'one-pass': 'Agreement', 'two-step': 'Two steps', 'two-step-paper': 'Two steps, as published',
+  none: 'No agreement', 'single-owner': 'Single owner',
 };
 
 /** @param {?string} scheme @returns {string}  what a coupling is called */
