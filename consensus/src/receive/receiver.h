@@ -95,7 +95,7 @@ class Receiver {
   std::vector<PeerStatus> senders_;  ///< of packets_, if any is dated by arrival
   DecodedPacket incoming_;
   /// Packets are decoded in batches of this size before they are processed: reading the processor's
-  /// clock, for each of the two, costs as much as a state (benchmarks/network/receive_cost).
+  /// clock, for each of the two, costs as much as a state.
   std::array<Decoded, 16> batch_;
 };
 
