@@ -271,7 +271,7 @@ const PeerRecord& Participant::record() {
 }
 
 void Participant::on_estimate(const consensus::EstimateEvent& event) {
-  if (observer_ != nullptr) observer_->on_estimate(event);
+  for (consensus::PeerObserver* const observer : observers_) observer->on_estimate(event);
   if (!recording_) return;
   const auto found = std::lower_bound(
       index_.begin(), index_.end(), event.update.id,
@@ -321,12 +321,13 @@ void Participant::look_at_springs(consensus::SessionTime now) {
 
 void Participant::watch(consensus::SessionTime now, const pbd::StepReport& report) {
   const double at = seconds_of(now - epoch_);
-  if (report.status != pbd::StepStatus::Ok) record_.note_fault(at, "a body became NaN or infinite");
-  record_.note_fault(at, out_of_bounds(scene_, bounds_));
+  const std::string fault = report.status != pbd::StepStatus::Ok ? "a body became NaN or infinite"
+                                                                 : out_of_bounds(scene_, bounds_);
+  if (!fault.empty()) ++faults_;
+  record_.note_fault(at, fault);
   if (referee_) referee_->watch(scene_, at);
-  if (steps_ % kLookEvery != 0) return;
+  if (!recording_ || steps_ % kLookEvery != 0) return;
   record_.note_fault(at, scenario_.fault(scene_));
-  if (!recording_) return;
   append_penetrations(scene_, record_.penetration_m);
   record_contacts(now);
 }

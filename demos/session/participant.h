@@ -51,8 +51,8 @@ class Participant final : private consensus::PeerObserver {
   /// Tell of all that happens from now on; null = nobody. Must outlive it, or be set to null.
   void watch_steps_with(StepWatch* watch);
 
-  /// Another observer of what the peer does with remote states; null = none.
-  void watch_with(consensus::PeerObserver* observer) { observer_ = observer; }
+  /// One more observer of what the peer does with remote states. Must outlive it.
+  void watch_with(consensus::PeerObserver* observer) { observers_.push_back(observer); }
   /// Agree by other rules from the next step on: a new peer on the same world. Poses, twists and
   /// what the users here hold stay as they are. Lost is what the old peer remembered: the others'
   /// states and springs until they are heard again, who led where, and the predictors' errors; its
@@ -66,7 +66,10 @@ class Participant final : private consensus::PeerObserver {
   double step_hz() const { return record_.step_hz; }
   /// s, of all steps so far, as in the record.
   double cpu_s() const { return record_.cpu_s; }
+  /// The first thing that went wrong; "" = nothing has.
   const std::string& fault() const { return record_.fault; }
+  /// Steps after which the world was broken.
+  std::uint64_t faults() const { return faults_; }
   /// Whether an update of another peer has come.
   bool has_exchanged() const { return record_.first_exchange != INT64_MAX; }
   /// Keep no tracks until an update has come.
@@ -107,7 +110,7 @@ class Participant final : private consensus::PeerObserver {
   std::optional<consensus::Peer> peer_;                ///< always there; controls keep its address
   std::optional<consensus::NearbyInterest> interest_;  ///< none: all are told of everything
   std::unique_ptr<pbd::TargetSource> targets_;         ///< null: the peer is asked
-  consensus::PeerObserver* observer_ = nullptr;
+  std::vector<consensus::PeerObserver*> observers_;
   std::vector<Seat> seats_;
   std::unique_ptr<Referee> referee_;
   std::vector<std::pair<consensus::SharedId, std::uint32_t>> index_;  ///< by id
@@ -119,6 +122,7 @@ class Participant final : private consensus::PeerObserver {
   consensus::SessionTime epoch_ = 0;
   consensus::SessionTime clock_ahead_ = 0;  ///< ns, of the peer's clock; all else is in true time
   std::uint64_t steps_ = 0;
+  std::uint64_t faults_ = 0;
   double last_step_s_ = 0.0;
   bool recording_ = true;
   bool started_ = false;

@@ -18,11 +18,13 @@ struct Seat {
   Seat(consensus::VirtualNetwork& network, consensus::PeerId id)
       : scene(CubesScenario().build({.order_seed = id, .noise_seed = id})),
         peer(*scene.world, network.transport(id)),
-        fidget(scene, peer, id) {
+        controls(0, scene, peer, kStep),
+        fidget(controls, id) {
     for (const SceneBody& body : scene.bodies) peer.share({.id = body.id, .body = body.body});
     peer.set_observer(&gauge);
   }
   void step(consensus::SessionTime now) {
+    controls.begin(now, 1e-9 * static_cast<double>(kStep));
     fidget.update(now);
     peer.before_step(now);
     const pbd::StepReport& report = solver.step(*scene.world, 1e-9 * static_cast<double>(kStep));
@@ -32,6 +34,7 @@ struct Seat {
   Scene scene;
   DivergenceGauge gauge;
   consensus::Peer peer;
+  Controls controls;
   Fidget fidget;
   pbd::Solver solver;
   bool good = true;

@@ -18,6 +18,7 @@
 
 #include "arguments/arguments.h"
 #include "peer/node.h"
+#include "scenes/scenario_list.h"
 #include "view/live_runner.h"
 
 namespace {
@@ -28,7 +29,7 @@ std::string usage() {
   return "usage: tandem-peer SCENE --config FILE [--check] [--trace FILE] [--view [PORT]]\n"
          "                   [--transport NAME]\n"
          "  SCENE     " +
-         scenario_names() +
+         std::string(kScenarioNames) +
          ", the same for all peers\n"
          "  --config  TOML, see docs/tandem-peer.md\n"
          "  --check   read the file, say what is wrong with it, do nothing else\n"
@@ -75,15 +76,16 @@ Arguments read(std::span<const std::string_view> words) {
         }
         result.scene = word;
       });
-  if (result.scene.empty()) throw UsageError("SCENE must be one of " + scenario_names());
+  if (result.scene.empty()) throw UsageError("SCENE must be one of " + std::string(kScenarioNames));
   if (result.config.empty()) throw UsageError("--config must be given");
   return result;
 }
 
 int run(std::span<const std::string_view> words) {
   const Arguments arguments = read(words);
-  const std::unique_ptr<Scenario> scenario = scenario_named(arguments.scene);
-  if (scenario == nullptr) refuse("SCENE", arguments.scene, "one of " + scenario_names());
+  const std::unique_ptr<Scenario> scenario = make_scenario(arguments.scene);
+  if (scenario == nullptr)
+    refuse("SCENE", arguments.scene, "one of " + std::string(kScenarioNames));
   PeerConfig config;
   try {
     config = read_config(arguments.config, arguments.transport);

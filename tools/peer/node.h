@@ -2,19 +2,11 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <memory>
-#include <string>
-
 #include "peer/config.h"
 #include "peer/log.h"
 #include "scenes/scenario.h"
 
 namespace tandem::demos {
-
-/// One of the demos' scenarios by its name; null where there is none.
-std::unique_ptr<Scenario> scenario_named(const std::string& name);
-/// Their names, for people.
-std::string scenario_names();
 
 /// Takes part in a session until SIGINT or SIGTERM, then leaves it in order. Nothing is recorded.
 /// @throws std::exception where it cannot begin, with the reason
