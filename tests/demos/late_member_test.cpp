@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "beside/company.h"
+#include "company.h"
 #include "demos/runs.h"
 #include "runner/virtual_session.h"
 #include "scenes/scenario_list.h"
@@ -15,10 +15,6 @@
 namespace tandem::demos::late_member_test {
 namespace {
 
-using beside_bench::Company;
-using beside_bench::Outcome;
-using beside_bench::run;
-using beside_bench::Saying;
 using consensus::PeerId;
 
 TEST_CASE("late member: nobody else moves otherwise, or pays for it", "[demos]") {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "beside/late_member.h"
+#include "late_member.h"
 #include "runner/virtual_session.h"
 #include "session/options.h"
 #include "session/track.h"
 
-namespace tandem::beside_bench {
+namespace tandem::demos::late_member_test {
 
 /// Honest peers of a demo, in virtual time.
 struct Company {
@@ -24,7 +24,7 @@ struct Company {
   std::uint64_t seed = 1;
   int together = 0;  ///< only the first so many are compared; 0 = all
   /// Changes the session before it begins, as the links of who is far.
-  std::function<void(demos::VirtualSession&)> prepare = {};
+  std::function<void(VirtualSession&)> prepare = {};
 };
 
 /// What they have, from LateMember::kSpeaks on.
@@ -38,10 +38,10 @@ struct Outcome {
   std::vector<std::uint64_t> without;  ///< likewise
   std::uint64_t body_steps = 0;        ///< steps of bodies that are awake, replayed ones as well
   int steps = 0;                       ///< of each
-  std::vector<demos::PeerRecord> records;
+  std::vector<PeerRecord> records;
 };
 
 /// @param saying  null: nobody is beside them
 Outcome run(const Company& company, const Saying* saying);
 
-}  // namespace tandem::beside_bench
+}  // namespace tandem::demos::late_member_test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "beside/late_member.h"
+#include "late_member.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "session/actor.h"
 #include "tandem/consensus/update.h"
 
-namespace tandem::beside_bench {
+namespace tandem::demos::late_member_test {
 
 using consensus::SessionTime;
 using consensus::StateUpdate;
@@ -19,7 +19,7 @@ constexpr std::size_t kKept = 80;  ///< steps: more than the longest age
 
 }  // namespace
 
-LateMember::LateMember(demos::VirtualSession& session, const Saying& saying)
+LateMember::LateMember(VirtualSession& session, const Saying& saying)
     : session_(session), saying_(saying), line_(session.network().transport(kId)) {}
 
 const LateMember::Shot& LateMember::shot_for(SessionTime now) {
@@ -31,16 +31,16 @@ const LateMember::Shot& LateMember::shot_for(SessionTime now) {
 }
 
 void LateMember::look(SessionTime now) {
-  demos::Actor& truth = session_.actors()[0];
+  Actor& truth = session_.actors()[0];
   if (truth.reached() == last_) return;
   last_ = truth.reached();
-  const demos::Scene& scene = truth.participant().scene();
+  const Scene& scene = truth.participant().scene();
   Shot& shot = past_.emplace_back(Shot{last_, {}});
-  for (const demos::SceneBody& body : scene.bodies) {
+  for (const SceneBody& body : scene.bodies) {
     shot.states.push_back(scene.world->state(body.body));
   }
   if (past_.size() > kKept) past_.pop_front();
-  const double passed = 1e-9 * static_cast<double>(now - demos::kVirtualStart);
+  const double passed = 1e-9 * static_cast<double>(now - kVirtualStart);
   if (passed < kSpeaks || ++steps_ % saying_.every != 0) return;
   const Shot& then = shot_for(now);
   std::vector<StateUpdate> says;
@@ -61,4 +61,4 @@ void LateMember::look(SessionTime now) {
   }
 }
 
-}  // namespace tandem::beside_bench
+}  // namespace tandem::demos::late_member_test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-#include "beside/company.h"
+#include "company.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "scenes/scenario_list.h"
 #include "session/actor.h"
 
-namespace tandem::beside_bench {
+namespace tandem::demos::late_member_test {
 namespace {
 
 using consensus::SessionTime;
@@ -25,36 +25,36 @@ std::uint64_t awake(const pbd::World& world) {
 }
 
 void compare(const Company& company, SessionTime from, Outcome& out) {
-  std::span<const demos::PeerRecord> compared(out.records);
+  std::span<const PeerRecord> compared(out.records);
   if (company.together > 0) compared = compared.first(static_cast<std::size_t>(company.together));
   std::vector<double> moving;
   std::vector<double> resting;
-  for (const demos::DivergenceSample& sample : demos::divergence(compared)) {
-    if (sample.time < from || sample.jumped || sample.object == demos::ObjectClass::Owned) continue;
-    (sample.object == demos::ObjectClass::Resting ? resting : moving).push_back(sample.distance);
+  for (const DivergenceSample& sample : divergence(compared)) {
+    if (sample.time < from || sample.jumped || sample.object == ObjectClass::Owned) continue;
+    (sample.object == ObjectClass::Resting ? resting : moving).push_back(sample.distance);
   }
-  const demos::Distribution found = demos::distribution(moving);
+  const Distribution found = distribution(moving);
   out.p50 = found.p50;
   out.p95 = found.p95;
-  out.rest95 = demos::distribution(resting).p95;
+  out.rest95 = distribution(resting).p95;
 }
 
 }  // namespace
 
 Outcome run(const Company& company, const Saying* saying) {
-  const auto scenario = demos::make_scenario(company.scene);
-  demos::DemoOptions options;
-  options.print = demos::Print::Nothing;
+  const auto scenario = make_scenario(company.scene);
+  DemoOptions options;
+  options.print = Print::Nothing;
   options.seconds = company.seconds;
   options.profile = company.profile;
   options.seed = company.seed;
   options.peers = company.honest;
-  demos::VirtualSession session(*scenario, options, nullptr);
+  VirtualSession session(*scenario, options, nullptr);
   if (company.prepare) company.prepare(session);
   std::optional<LateMember> late;
   if (saying != nullptr) late.emplace(session, *saying);
   Outcome out;
-  const auto ns = [](double seconds) { return demos::kVirtualStart + std::llround(1e9 * seconds); };
+  const auto ns = [](double seconds) { return kVirtualStart + std::llround(1e9 * seconds); };
   const SessionTime from = ns(LateMember::kSpeaks);
   std::vector<consensus::ReplayStats> before(session.actors().size());
   SessionTime last = 0;
@@ -70,12 +70,12 @@ Outcome run(const Company& company, const Saying* saying) {
     // All step at the same times.
     if (*now < from) continue;
     ++out.steps;
-    for (demos::Actor& actor : session.actors()) {
+    for (Actor& actor : session.actors()) {
       out.body_steps += awake(*actor.participant().scene().world);
     }
   }
   for (std::size_t i = 0; i < before.size(); ++i) {
-    demos::Participant& participant = session.actors()[i].participant();
+    Participant& participant = session.actors()[i].participant();
     out.records.push_back(participant.record());
     out.worlds.push_back(out.records.back().hash);
     const consensus::Peer& peer = participant.peer();
@@ -96,4 +96,4 @@ Outcome run(const Company& company, const Saying* saying) {
   return out;
 }
 
-}  // namespace tandem::beside_bench
+}  // namespace tandem::demos::late_member_test

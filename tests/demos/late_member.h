@@ -10,7 +10,7 @@
 #include "runner/virtual_session.h"
 #include "tandem/pbd/random.h"
 
-namespace tandem::beside_bench {
+namespace tandem::demos::late_member_test {
 
 /// What a member says of the first peer's bodies, as old as it has them.
 struct Saying {
@@ -31,7 +31,7 @@ class LateMember {
   static constexpr double kSpeaks = 2.0;  ///< s: nobody is a newcomer any more
 
   /// It joins the session's network. The session must outlive it.
-  LateMember(demos::VirtualSession& session, const Saying& saying);
+  LateMember(VirtualSession& session, const Saying& saying);
 
   /// After each event of the session.
   void look(consensus::SessionTime now);
@@ -43,7 +43,7 @@ class LateMember {
   };
   const Shot& shot_for(consensus::SessionTime now);
 
-  demos::VirtualSession& session_;
+  VirtualSession& session_;
   Saying saying_;
   consensus::Transport& line_;
   pbd::SplitMix64 dice_{1};
@@ -53,4 +53,4 @@ class LateMember {
   int turns_ = 0;
 };
 
-}  // namespace tandem::beside_bench
+}  // namespace tandem::demos::late_member_test
