@@ -11,7 +11,7 @@ import recorded
 from pages import table
 from report import (SCENARIOS, brief_lines, class_lines, cost_lines, divergence_lines, jitter_lines, latency_lines,
                     limit_lines, mode_lines, motion_lines, must_hold_table, stretch_lines, success_lines,
-                    variant_lines, world_lines, write_csv)
+                    variant_lines, world_lines)
 from stats import mean, over, short, text, values
 from svg_figure import on_page
 
@@ -67,7 +67,6 @@ def write(results, out, docs, note=""):
     out.mkdir(parents=True, exist_ok=True)
     motion_file = out / "motion.json"
     motion = json.loads(motion_file.read_text()) if motion_file.exists() else {}
-    write_csv(results, out / "cells.csv")
     rows = must_hold.rows(results, motion)
     with (out / "must_hold.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, ("what", "measured", "bound", "holds"), extrasaction="ignore")
@@ -101,8 +100,7 @@ def write(results, out, docs, note=""):
         "options are defaults, nothing is tuned for a scenario or a network. Profiles are those of [friston] Table 3: "
         "3.5, 6, 28.5, 63.5 and 123.5 ms one way at profiles 1 to 5. Figures are means over seeds, in CSV files ± half "
         "of the 95 % confidence interval. Percentiles count every sample of every body, outliers and teleports "
-        "included, unless said. `benchmarks/evaluation.py build/release/bin RESULTS` writes this page, "
-        "`RESULTS/cells.csv` with every run, and figures of rotation, acceleration, jitter and divergence over time: "
+        "included, unless said. `benchmarks/evaluation.py build/release/bin RESULTS` writes this page: "
         "edit the program, not the page.", "",
         *([f"**State.** {note}", ""] if note else []),
         "## Findings", "",

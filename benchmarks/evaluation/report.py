@@ -1,56 +1,12 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 """Tables from the results of the matrix."""
-import csv
-
 import must_hold
 from pages import table
 from stats import get, interval, mean, over, short, text, values
 
 SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
 CLASSES = ("resting", "touching", "free", "held", "owned")
-
-# Written to cells.csv for each run, besides all that is in `outcome`.
-COLUMNS = (
-    ["divergence_m." + q for q in ("p50", "p75", "p95", "p99", "max")]
-    + [f"{group}.{q}" for group in ("divergence_calm_m", "divergence_shared_m",
-                                    "divergence_shared_moving_m", "divergence_box_deg")
-       for q in ("p50", "p95", "p99", "max")]
-    + [f"classes.{c}.{m}.{q}" for c in CLASSES
-       for m in ("divergence_m", "divergence_deg")
-       for q in ("p50", "p95", "p99", "max", "count")]
-    + [f"link_ms.{q}" for q in ("mean", "std", "p50", "p99")]
-    + [f"effective_latency_ms.{q}" for q in ("mean", "std", "p99")]
-    + [f"overhead_us_per_object.{q}" for q in ("parse", "process", "aggregate", "targets")]
-    + [f"{s}.{m}" for s in ("smoothness", "reference")
-       for m in ("acceleration_m_s2.p50", "acceleration_m_s2.p99", "jerk_rms_m_s3",
-                 "high_pass_rms_m", "high_pass_m.p99", "resting_high_pass_m.p99",
-                 "spectral_arc_length.mean", "correction_m.p50", "correction_m.p99",
-                 "correction_m.max", "pops_per_minute", "free_speed_m_s.p50")]
-    + ["reference.high_pass_residual_m.p50", "reference.high_pass_residual_m.p99",
-       "contact_disagreement.mean", "contact_disagreement.p95", "contact_disagreement_end",
-       "time_to_agree_s", "held_limit_m.p50", "held_limit_m.p95", "held_by_one_m.p50",
-       "held_by_one_m.p95"]
-    + [f"{run}stretch_m.{series}.{q}" for run in ("", "reference.") for series in ("one", "several")
-       for q in ("p50", "p95", "p99", "samples")]
-    + ["blows.count", "blows.before_m.p95", "blows.after_m.p95", "jumps",
-       "penetration_m.p99", "penetration_m.max", "energy_J.displacement",
-       "energy_J.velocity_agreement", "energy_J.potential", "bytes_per_second",
-       "step_ms.p50", "step_ms.p99", "cpu_s"])
-
-
-def write_csv(results, path):
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["scenario", "variant", "profile", "seed", "stable", *COLUMNS, "outcome",
-                         "hash"])
-        for (scenario, variant, profile), seeds in sorted(results.items()):
-            for r in seeds:
-                cells = [get(r, c) for c in COLUMNS]
-                outcome = " ".join(f"{peer}.{k}={v:g}" for peer, o in r["outcome"].items()
-                                   for k, v in o.items() if v is not None)
-                writer.writerow([scenario, variant, profile, r["seed"], r["stable"],
-                                 *["" if c is None else c for c in cells], outcome, r["hash"]])
 
 
 def divergence_lines(results):

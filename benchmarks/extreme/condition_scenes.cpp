@@ -48,7 +48,6 @@ Scene spread(Shared shared, int peers, Topology topology, double apart) {
     }
     return b.done();
   };
-  scene.weightless = shared == Shared::Free;
   scene.stands = shared == Shared::Stack;
   return scene;
 }

@@ -104,7 +104,6 @@ std::vector<Scene> disagreements() {
   constexpr double kApart = 0.1;
   Scene free{.name = "10 cm, free body", .group = "disagreement"};
   free.build = [](int peer) { return free_box(peer * kApart); };
-  free.weightless = true;
   Scene floor{.name = "10 cm, box on a floor", .group = "disagreement"};
   floor.build = [](int peer) { return stack(1, 0.0, peer * kApart); };
   Scene tower{.name = "10 cm, stack of five", .group = "disagreement"};
@@ -118,7 +117,6 @@ std::vector<Scene> disagreements() {
            .twist = {{0.0, peer == 0 ? 0.5 : -0.5, 0.0}, {0.0, 0.0, peer == 0 ? 1.0 : -1.0}}});
     return b.done();
   };
-  moving.weightless = true;
   return {std::move(free), std::move(floor), std::move(tower), std::move(moving)};
 }
 

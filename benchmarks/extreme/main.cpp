@@ -59,13 +59,11 @@ std::vector<Scene> all_scenes() {
 
 void print(const Scene& scene, const Scheme& scheme, const std::string& link, double share,
            int seed, const Result& r) {
-  std::printf(
-      "%s,\"%s\",%d,%s,%s,%g,%d,%d,%.5g,%.5g,%d,%d,%d,%.4g,%.4g,%.4g,%.5g,%.5g,%.4g,%.4g,"
-      "%.4g,%.4g,%d,%d\n",
-      scene.group.c_str(), scene.name.c_str(), scene.peers, scheme.name.data(), link.c_str(), share,
-      seed, r.stable ? 1 : 0, r.peak_mm, r.final_mm, r.half_frames, r.percent_frames,
-      r.millimetre_frames, r.overlap_mm, r.overlap_end_mm, r.joint_mm, r.kinetic_J, r.work_J,
-      r.excess_J, r.agreement_J, r.displacement_J, r.momentum, r.not_finite, r.placed);
+  std::printf("%s,\"%s\",%d,%s,%s,%g,%d,%d,%.5g,%.5g,%d,%d,%d,%.4g,%.4g,%.4g,%.5g,%.5g,%.4g,%.4g\n",
+              scene.group.c_str(), scene.name.c_str(), scene.peers, scheme.name.data(),
+              link.c_str(), share, seed, r.stable ? 1 : 0, r.peak_mm, r.final_mm, r.half_frames,
+              r.percent_frames, r.millimetre_frames, r.overlap_mm, r.overlap_end_mm, r.joint_mm,
+              r.kinetic_J, r.work_J, r.excess_J, r.displacement_J);
 }
 
 bool random(const Scene& scene, const std::string& link) {
@@ -114,8 +112,7 @@ int main(int argc, char** argv) {
         std::puts(
             "group,scene,peers,scheme,link,share,seed,stable,peak_mm,final_mm,half_frames,"
             "percent_frames,millimetre_frames,overlap_mm,overlap_end_mm,joint_mm,"
-            "kinetic_J,work_J,excess_J,agreement_J,displacement_J,momentum,not_finite,"
-            "placed");
+            "kinetic_J,work_J,excess_J,displacement_J");
         run_all(options);
         return 0;
       });

@@ -76,9 +76,7 @@ double EnergyAccount::weight_power(const Site& site) {
 
 void EnergyAccount::begun(const Site& site) {
   const pbd::World& world = *site.copy.world;
-  const double now = world.kinetic_energy();
-  agreement += now - kinetic;
-  kinetic = now;
+  kinetic = world.kinetic_energy();
   power_ = weight_power(site);
   pulls_.clear();
   for_each_spring(world, [&](const pbd::Tether& spring) {
@@ -102,14 +100,8 @@ void EnergyAccount::stepped(const Site& site, const pbd::StepReport& report, dou
         pose.position + arm - pull.at - agreed.translation - agreed.rotation.cross(arm);
     work += 0.5 * (pull.force + spring.force()).dot(way);
   });
-  const pbd::ConsensusEnergy& energy = report.energy;
-  agreement += energy.displacement + energy.velocity_agreement;
-  displacement = std::max(displacement, std::abs(energy.displacement));
+  displacement = std::max(displacement, std::abs(report.energy.displacement));
   if (report.status != pbd::StepStatus::Ok) ++bad_steps;
-  momentum.setZero();
-  for (const pbd::BodyId body : site.copy.bodies) {
-    momentum += world.props(body).mass * world.twist(body).linear;
-  }
 }
 
 Watch::Watch(const Scene& scene, peers_bench::Session& session) : scene_(scene), session_(session) {
@@ -123,11 +115,7 @@ Watch::Watch(const Scene& scene, peers_bench::Session& session) : scene_(scene),
     };
     start_kinetic_ += account.kinetic;
     for (const pbd::BodyId body : site->copy.bodies) {
-      const pbd::BodyState& state = site->copy.world->state(body);
-      const Vec3 momentum = site->copy.world->props(body).mass * state.twist.linear;
-      start_momentum_ += momentum;
-      start_push_ += momentum.norm();
-      lowest_.push_back(state.pose.position.z());
+      lowest_.push_back(site->copy.world->pose(body).position.z());
     }
   }
   result_.excess_J = -std::numeric_limits<double>::infinity();
@@ -140,27 +128,18 @@ double Watch::difference(const Sample& s) const {
 
 void Watch::look() {
   samples_.push_back(sample(session_.sites));
-  if (!samples_.back().finite) ++result_.not_finite;
+  if (!samples_.back().finite) ++not_finite_;
   double kinetic = 0.0;
   double work = 0.0;
-  double agreement = 0.0;
-  Vec3 momentum = Vec3::Zero();
   for (const EnergyAccount& account : accounts_) {
     kinetic += account.kinetic;
     work += account.work;
-    agreement += account.agreement;
-    momentum += account.momentum;
   }
   if (kinetic > result_.kinetic_J) {
     result_.kinetic_J = kinetic;
     result_.work_J = work;
   }
   result_.excess_J = std::max(result_.excess_J, kinetic - start_kinetic_ - work);
-  result_.agreement_J = std::max(result_.agreement_J, agreement);
-  if (scene_.weightless && start_push_ > 0.0 && samples_.size() > 1) {
-    result_.momentum =
-        std::max(result_.momentum, (momentum - start_momentum_).norm() / start_push_);
-  }
 }
 
 Result Watch::finish() {
@@ -172,16 +151,17 @@ Result Watch::finish() {
     result_.overlap_mm = std::max(result_.overlap_mm, 1e3 * s.overlap);
     result_.joint_mm = std::max(result_.joint_mm, 1e3 * s.joint_error);
   }
-  for (const Sample& s : samples_) result_.series.push_back(difference(s));
+  std::vector<double> series;  // difference at each sample, mm or degrees
+  for (const Sample& s : samples_) series.push_back(difference(s));
   const auto worst = [&](std::size_t from, std::size_t to) {
-    return *std::max_element(result_.series.begin() + static_cast<std::ptrdiff_t>(from),
-                             result_.series.begin() + static_cast<std::ptrdiff_t>(to));
+    return *std::max_element(series.begin() + static_cast<std::ptrdiff_t>(from),
+                             series.begin() + static_cast<std::ptrdiff_t>(to));
   };
   const auto second = static_cast<std::size_t>(scene_.sample_hz);
   for (std::size_t k = n - second; k < n; ++k) {
     result_.overlap_end_mm += 1e3 * samples_[k].overlap / static_cast<double>(second);
   }
-  const double start = result_.series.front();
+  const double start = series.front();
   const double frames = 60.0 / scene_.sample_hz;
   const auto until = [&](double limit) {
     for (std::size_t k = 0; k < n; ++k) {
@@ -198,12 +178,11 @@ Result Watch::finish() {
   result_.final_mm = worst(n - second, n);
   for (const EnergyAccount& account : accounts_) {
     result_.displacement_J = std::max(result_.displacement_J, account.displacement);
-    result_.not_finite += account.bad_steps;
+    not_finite_ += account.bad_steps;
   }
   bool standing = true;
   std::size_t body = 0;
   for (const auto& site : session_.sites) {
-    result_.placed += static_cast<int>(site->peer.stats().bodies_placed);
     for (const pbd::BodyId id : site->copy.bodies) {
       const double sunk = lowest_[body++] - site->copy.world->pose(id).position.z();
       if (scene_.stands && !(sunk < 0.5 * kHalf)) standing = false;
@@ -215,14 +194,14 @@ Result Watch::finish() {
   // what is worst, and luck where it lies: there the rms says whether something grows.
   const auto rms = [&](std::size_t from, std::size_t to) {
     double sum = 0.0;
-    for (std::size_t k = from; k < to; ++k) sum += result_.series[k] * result_.series[k];
+    for (std::size_t k = from; k < to; ++k) sum += series[k] * series[k];
     return std::sqrt(sum / static_cast<double>(to - from));
   };
   const bool lossy = scene_.conditions.loss > 0.0;
   const double before = lossy ? rms(n / 2, 3 * n / 4) : worst(n / 2, 3 * n / 4);
   const double last = lossy ? rms(3 * n / 4, n) : worst(3 * n / 4, n);
   result_.stable =
-      result_.not_finite == 0 && standing && result_.peak_mm < bound && last < 1.5 * before + 1.0;
+      not_finite_ == 0 && standing && result_.peak_mm < bound && last < 1.5 * before + 1.0;
   return result_;
 }
 

@@ -35,10 +35,8 @@ class EnergyAccount {
 
   double kinetic = 0.0;
   double work = 0.0;
-  double agreement = 0.0;     ///< kinetic energy that agreement brought, however it was applied
   double displacement = 0.0;  ///< the solver's account of the displacement channel, largest |value|
   int bad_steps = 0;          ///< that the solver had to put back
-  pbd::Vec3 momentum = pbd::Vec3::Zero();  ///< kg m/s
 
  private:
   struct Pull {
@@ -66,12 +64,7 @@ struct Result {
   double kinetic_J = 0.0;       ///< largest, over all copies
   double work_J = 0.0;          ///< of what acts, up to then
   double excess_J = 0.0;        ///< most that kinetic energy has grown by beyond all work
-  double agreement_J = 0.0;     ///< most that agreement has brought
   double displacement_J = 0.0;  ///< largest of any step
-  double momentum = 0.0;  ///< largest change, of all copies' momentum, relative; 0 where it may
-  int not_finite = 0;
-  int placed = 0;              ///< bodies that were put where the leader has them
-  std::vector<double> series;  ///< difference at each sample, mm or degrees
 };
 
 /// Collects samples and ends as a Result.
@@ -90,8 +83,7 @@ class Watch {
   std::vector<double> lowest_;  ///< m, height of each body at the start, by peer and body
   std::vector<Sample> samples_;
   double start_kinetic_ = 0.0;
-  pbd::Vec3 start_momentum_ = pbd::Vec3::Zero();
-  double start_push_ = 0.0;  ///< kg m/s, sum of all momenta's sizes
+  int not_finite_ = 0;  ///< samples, and steps that the solver had to put back
   Result result_;
 };
 

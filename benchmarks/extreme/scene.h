@@ -54,7 +54,6 @@ struct Scene {
   double differs = 0.0;      ///< m, how far apart the copies' surroundings hold them
   bool by_angle = false;     ///< the disagreement is one of orientation
   bool stands = false;       ///< nothing may be lower at the end by more than a quarter of an edge
-  bool weightless = false;   ///< nothing acts from outside: momentum stays
   double weight_from = 0.0;  ///< s: nothing has weight before; hands are known everywhere by then
   double sample_hz = 60.0;   ///< how often copies are compared; all have ended a step then
 };

@@ -97,7 +97,6 @@ Scene half_turn(const Vec3& axis, bool on_floor, const char* name) {
     b.box({.pose = {up(on_floor ? kHalf : 0.0), turned}});
     return b.done();
   };
-  scene.weightless = !on_floor;
   return scene;
 }
 

@@ -59,9 +59,7 @@ void write_smoothness(JsonWriter& json, const Smoothness& s) {
   write_box(json, "acceleration_m_s2", s.acceleration);
   json.field("jerk_rms_m_s3", s.jerk_rms);
   json.field("speed_rms_m_s", s.speed_rms);
-  write_box(json, "high_pass_m", s.high_pass_m);
   json.field("high_pass_rms_m", s.high_pass_rms_m);
-  write_box(json, "resting_high_pass_m", s.resting_high_pass_m);
   write_box(json, "spectral_arc_length", s.arc_length);
   write_box(json, "correction_m", s.correction_m);
   json.field("pops_per_minute", s.pops_per_minute);
@@ -131,7 +129,6 @@ void write_classes(JsonWriter& json, const Metrics& metrics) {
   for (std::size_t c = 0; c < kObjectClasses; ++c) {
     json.key(to_string(static_cast<ObjectClass>(c))).begin_object();
     write_box(json, "divergence_m", metrics.object_m[c]);
-    write_box(json, "divergence_deg", metrics.object_deg[c]);
     json.end_object();
   }
   json.end_object();

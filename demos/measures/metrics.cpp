@@ -78,13 +78,12 @@ bool just_jumped(const std::vector<consensus::SessionTime>& jumps, consensus::Se
 }
 
 void add_classes(std::span<const PeerRecord> peers, Metrics& m) {
-  std::array<std::vector<double>, kObjectClasses> distance, angle;
+  std::array<std::vector<double>, kObjectClasses> distance;
   std::vector<double> calm, shared, moving;
   for (const DivergenceSample& sample : m.samples) {
     if (sample.jumped) continue;
     const auto c = static_cast<std::size_t>(sample.object);
     distance[c].push_back(sample.distance);
-    angle[c].push_back(sample.angle * 180.0 / std::numbers::pi);
     calm.push_back(sample.distance);
     if (sample.object == ObjectClass::Owned) continue;
     shared.push_back(sample.distance);
@@ -95,7 +94,6 @@ void add_classes(std::span<const PeerRecord> peers, Metrics& m) {
   m.calm_m = distribution(calm);
   for (std::size_t c = 0; c < kObjectClasses; ++c) {
     m.object_m[c] = distribution(distance[c]);
-    m.object_deg[c] = distribution(angle[c]);
   }
   for (const PeerRecord& peer : peers) {
     for (const Input& input : peer.inputs) m.jumps += input.kind == Input::Kind::Jump ? 1 : 0;

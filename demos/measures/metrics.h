@@ -77,7 +77,7 @@ struct Metrics {
   Distribution divergence_m, contested_m, moving_m, resting_m;
   Distribution divergence_deg;
   /// Of each class, jumps left out.
-  std::array<Distribution, kObjectClasses> object_m, object_deg;
+  std::array<Distribution, kObjectClasses> object_m;
   Distribution calm_m;                     ///< divergence of all but owned bodies that jumped
   Distribution shared_m, shared_moving_m;  ///< of what nobody owns; of that what does not rest
   std::size_t jumps = 0;                   ///< how often an owner put a body somewhere else

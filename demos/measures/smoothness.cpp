@@ -58,7 +58,7 @@ double rms(const std::vector<double>& values) {
 }
 
 struct Gathered {
-  std::vector<double> acceleration, jerk, fast, resting, arc, correction, speed, free_speed;
+  std::vector<double> acceleration, jerk, fast, arc, correction, speed, free_speed;
   double pops = 0.0, minutes = 0.0;
 };
 
@@ -85,10 +85,7 @@ void add_track(const std::vector<TrackSample>& samples, double rate, Gathered& o
   const std::vector<double> fast = fast_part(way, rate);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     out.speed.push_back(samples[i].speed);
-    if (!moves(samples[i])) {
-      out.resting.push_back(fast[i]);
-      continue;
-    }
+    if (!moves(samples[i])) continue;
     out.fast.push_back(fast[i]);
     out.correction.push_back(samples[i].correction);
     if (samples[i].correction > Smoothness::kPop) out.pops += 1.0;
@@ -155,8 +152,6 @@ Smoothness smoothness(std::span<const PeerRecord> peers) {
   result.speed_rms = rms(all.speed);
   result.high_pass_rms_m = rms(all.fast);
   result.acceleration = distribution(all.acceleration);
-  result.high_pass_m = distribution(all.fast);
-  result.resting_high_pass_m = distribution(all.resting);
   result.arc_length = distribution(all.arc);
   result.correction_m = distribution(all.correction);
   result.free_speed = distribution(all.free_speed);

@@ -29,11 +29,10 @@ struct Smoothness {
 
   Distribution acceleration;  ///< m/s^2, second difference of the position as it is shown
   double jerk_rms = Distribution::kNone;  ///< m/s^3, third difference
-  Distribution high_pass_m;               ///< length of what is faster than kCutoff in the position
+  /// m, length of what is faster than kCutoff in the position.
   double high_pass_rms_m = Distribution::kNone;
-  Distribution resting_high_pass_m;  ///< the same of what rests
-  Distribution arc_length;           ///< of each stretch of motion of at least half a second
-  Distribution correction_m;         ///< by agreement, each step
+  Distribution arc_length;    ///< of each stretch of motion of at least half a second
+  Distribution correction_m;  ///< by agreement, each step
   double pops_per_minute = Distribution::kNone;  ///< of one peer
   /// m/s, of all bodies and steps, at rest or not: what agreement must neither brake nor drive.
   double speed_rms = Distribution::kNone;

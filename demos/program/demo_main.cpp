@@ -70,11 +70,11 @@ int run(const Scenario& scenario, const DemoOptions& options) {
   } else {
     Progress progress(options.quiet(), 1 + (again ? 1 : 0) + (other ? 1 : 0));
     result = options.view ? view::run_live(scenario, options)
-                          : run_virtual(scenario, options, nullptr, {}, &progress);
+                          : run_virtual(scenario, options, nullptr, &progress);
     // Nothing was kept of a session without an end.
     if (!options.endless && again) reference = run_reference(scenario, options, result, &progress);
     if (other) {
-      beside = run_virtual(scenario, with(options, *other), nullptr, {}, &progress);
+      beside = run_virtual(scenario, with(options, *other), nullptr, &progress);
     }
   }
   if (options.endless) return 0;

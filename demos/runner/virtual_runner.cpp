@@ -26,16 +26,12 @@ std::string note(double seconds, double of) {
 }  // namespace
 
 RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
-                      const std::vector<Input>* replay,
-                      std::span<consensus::PeerObserver* const> observers, Progress* progress) {
+                      const std::vector<Input>* replay, Progress* progress) {
   const std::clock_t cpu_start = std::clock();
   const auto wall_start = std::chrono::steady_clock::now();
   std::optional<std::vector<Input>> from_file;
   if (replay == nullptr) from_file = replayed_inputs(options);
   VirtualSession session(scenario, options, from_file ? &*from_file : replay);
-  for (std::size_t i = 0; i < std::min(observers.size(), session.actors().size()); ++i) {
-    session.actors()[i].participant().watch_with(observers[i]);
-  }
 
   const SessionTime end = kVirtualStart + std::llround(options.seconds * 1e9);
   while (const auto now = session.act(end)) {
@@ -64,7 +60,7 @@ RunResult run_reference(const Scenario& scenario, const DemoOptions& options,
   for (const PeerRecord& peer : original.peers) {
     inputs.insert(inputs.end(), peer.inputs.begin(), peer.inputs.end());
   }
-  return run_virtual(scenario, alone, &inputs, {}, progress);
+  return run_virtual(scenario, alone, &inputs, progress);
 }
 
 }  // namespace tandem::demos

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "runner/progress.h"
@@ -25,13 +24,10 @@ struct RunResult {
 /// All peers in this process, in virtual time over a virtual link. Events are ordered by time, then
 /// ends of steps before beginnings, then peer: same options, same result, bit for bit.
 /// @param replay  what the users do; null: what options.replay holds, else their script
-/// @param observers  watch the peers, in their order, beside the recorder; null = nobody
 /// @param progress  is told how far it is; null = nobody is
 /// @throws std::invalid_argument where scenario or link refuse the options
 RunResult run_virtual(const Scenario& scenario, const DemoOptions& options,
-                      const std::vector<Input>* replay = nullptr,
-                      std::span<consensus::PeerObserver* const> observers = {},
-                      Progress* progress = nullptr);
+                      const std::vector<Input>* replay = nullptr, Progress* progress = nullptr);
 
 /// The same inputs at one peer, where nothing is late: what a run is compared with.
 RunResult run_reference(const Scenario& scenario, const DemoOptions& options,
