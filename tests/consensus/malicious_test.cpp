@@ -11,6 +11,7 @@
 #include "consensus/crowd_fixture.h"
 #include "consensus/random.h"
 #include "support/catch.h"
+#include "tandem/pbd/math.h"
 
 namespace tandem::consensus::malicious_test {
 namespace {
@@ -228,6 +229,45 @@ TEST_CASE("malicious: of two, a liar asks for no more than the limit in a step",
   CHECK(most < 0.02 * 1.01);
   REQUIRE(honest.peer->reports().size() == 1);
   CHECK(honest.peer->reports()[0].capped > 80);
+}
+
+TEST_CASE("malicious: of two, a liar turns and throws by no more than the limits in a step",
+          "[consensus][fault]") {
+  PeerOptions options;
+  options.predictor = PredictorKind::Euler;  // a replay's target has no rotation error to limit
+  options.robust.max_turn = 0.02;
+  options.robust.max_velocity_correction = 0.05;
+  Crowd crowd;
+  Transport& liar = crowd.network.transport(kLiar);
+  crowd.build = build_table;
+  Member& honest = crowd.add(2, options);
+  double turned = 0.0, thrown = 0.0;
+  Vec3 before = Vec3::Zero();
+  crowd.after = [&](Member& member) {
+    const pbd::BodyId body = member.bodies[kFree].body;
+    turned = std::max(turned, member.world->correction(body).rotation.norm());
+    const Vec3 now = member.world->twist(body).linear;
+    thrown = std::max(thrown, now.x() - before.x());
+    before = now;
+  };
+  crowd.tick = [&](SessionTime now) {
+    const pbd::Pose& true_pose = honest.world->pose(honest.bodies[kFree].body);
+    StateUpdate update{
+        .id = honest.bodies[kFree].id,
+        .pose = {true_pose.position, pbd::exp_map(2.0 * Vec3::UnitZ()) * true_pose.orientation},
+        .twist = {Vec3(9.0, 0.0, 0.0), Vec3::Zero()},
+        .influence = 1.0F,
+        .stamp = now};
+    std::vector<std::byte> bytes;
+    encode(std::span(&update, 1), bytes);
+    // Not heard as a newcomer hears, who takes over all there is.
+    if (now > kStart + ns(1.5)) liar.post(2, bytes, Delivery::Newest);
+  };
+  crowd.run(3.0);
+  CHECK(turned > 0.019);
+  CHECK(turned < 0.02 * 1.01);
+  CHECK(thrown > 0.02);
+  CHECK(thrown < 0.05 * 1.01);
 }
 
 TEST_CASE("malicious: springs that no hand could pull are limited, refused and counted",
