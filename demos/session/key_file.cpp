@@ -77,7 +77,13 @@ class Account {
   alignas(TOKEN_USER) std::array<std::byte, sizeof(TOKEN_USER) + SECURITY_MAX_SID_SIZE> bytes_{};
 };
 
-/// Whether an entry of a list lets nobody in but whom `for_owner_alone` names.
+/// Whether it is one of those whom `for_owner_alone` names.
+bool is_owner(PSID who, PSID user) {
+  return EqualSid(who, user) != 0 || IsWellKnownSid(who, WinLocalSystemSid) != 0 ||
+         IsWellKnownSid(who, WinBuiltinAdministratorsSid) != 0;
+}
+
+/// Whether an entry of a list lets nobody else in.
 bool harmless(void* entry, PSID user) {
   constexpr DWORD kInside = FILE_READ_DATA | FILE_WRITE_DATA | FILE_APPEND_DATA | WRITE_DAC |
                             WRITE_OWNER | GENERIC_READ | GENERIC_WRITE | GENERIC_ALL;
@@ -86,22 +92,22 @@ bool harmless(void* entry, PSID user) {
     return true;
   if (head.AceType != ACCESS_ALLOWED_ACE_TYPE) return false;  // let in on conditions
   auto& allowed = *static_cast<ACCESS_ALLOWED_ACE*>(entry);
-  PSID who = &allowed.SidStart;
-  return (allowed.Mask & kInside) == 0 || EqualSid(who, user) != 0 ||
-         IsWellKnownSid(who, WinLocalSystemSid) != 0 ||
-         IsWellKnownSid(who, WinBuiltinAdministratorsSid) != 0;
+  return (allowed.Mask & kInside) == 0 || is_owner(&allowed.SidStart, user);
 }
 
 }  // namespace
 
 bool for_owner_alone(const std::string& path) {
   PACL list = nullptr;
+  PSID owner = nullptr;  // may change the list
   PSECURITY_DESCRIPTOR found = nullptr;
-  const DWORD error = GetNamedSecurityInfoA(path.c_str(), SE_FILE_OBJECT, DACL_SECURITY_INFORMATION,
-                                            nullptr, nullptr, &list, nullptr, &found);
+  const DWORD error = GetNamedSecurityInfoA(path.c_str(), SE_FILE_OBJECT,
+                                            OWNER_SECURITY_INFORMATION | DACL_SECURITY_INFORMATION,
+                                            &owner, nullptr, &list, nullptr, &found);
   const Local<void> held(found);
   if (error != ERROR_SUCCESS || list == nullptr) return false;  // no list: all are let in
   Account user;
+  if (owner == nullptr || !is_owner(owner, user.id())) return false;
   for (DWORD i = 0; i < list->AceCount; ++i) {
     void* entry = nullptr;
     if (GetAce(list, i, &entry) == 0 || !harmless(entry, user.id())) return false;

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "scenes/random.h"
 #include "scenes/recorded_hand.h"
@@ -127,7 +128,6 @@ void Participant::place_users() {
   for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
     if (record_.owners[i] != 0) interest_->set_position(record_.owners[i], scene_.pose(i).position);
   }
-  interest_->update();
 }
 
 void Participant::record_nothing() {
@@ -230,7 +230,11 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
 void Participant::finish(consensus::SessionTime now) {
   if (watch_ != nullptr) watch_->finish(now);
   const double cpu_before = pbd::thread_cpu_seconds();
-  if (interest_) place_users();
+  if (interest_) {
+    // In sessions without an end users' hands tell where they are.
+    if (recording_) place_users();
+    interest_->update();
+  }
   peer_->after_step(now + clock_ahead_);
   record_.cpu_s += pbd::thread_cpu_seconds() - cpu_before;
   if (watch_ != nullptr) watch_->sent();
@@ -321,10 +325,13 @@ void Participant::look_at_springs(consensus::SessionTime now) {
 
 void Participant::watch(consensus::SessionTime now, const pbd::StepReport& report) {
   const double at = seconds_of(now - epoch_);
-  const std::string fault = report.status != pbd::StepStatus::Ok ? "a body became NaN or infinite"
-                                                                 : out_of_bounds(scene_, bounds_);
-  if (!fault.empty()) ++faults_;
+  std::string fault = report.status != pbd::StepStatus::Ok ? "a body became NaN or infinite"
+                                                           : out_of_bounds(scene_, bounds_);
   record_.note_fault(at, fault);
+  if (!fault.empty()) {
+    ++faults_;
+    fault_ = std::move(fault);
+  }
   if (referee_) referee_->watch(scene_, at);
   if (!recording_ || steps_ % kLookEvery != 0) return;
   record_.note_fault(at, scenario_.fault(scene_));

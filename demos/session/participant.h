@@ -66,8 +66,8 @@ class Participant final : private consensus::PeerObserver {
   double step_hz() const { return record_.step_hz; }
   /// s, of all steps so far, as in the record.
   double cpu_s() const { return record_.cpu_s; }
-  /// The first thing that went wrong; "" = nothing has.
-  const std::string& fault() const { return record_.fault; }
+  /// The latest thing that went wrong; "" = nothing has.
+  const std::string& fault() const { return fault_; }
   /// Steps after which the world was broken.
   std::uint64_t faults() const { return faults_; }
   /// Whether an update of another peer has come.
@@ -123,6 +123,7 @@ class Participant final : private consensus::PeerObserver {
   consensus::SessionTime clock_ahead_ = 0;  ///< ns, of the peer's clock; all else is in true time
   std::uint64_t steps_ = 0;
   std::uint64_t faults_ = 0;
+  std::string fault_;
   double last_step_s_ = 0.0;
   bool recording_ = true;
   bool started_ = false;

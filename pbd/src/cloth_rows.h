@@ -68,7 +68,8 @@ struct ClothRows {
   /// Visits the scalars of each row, in the order of number().
   template <class Visit>
   void for_scalars(Visit&& visit) const;
-  /// Removes the rows that `gone_id` or `gone_body` names: a strand ends where a point is removed.
+  /// Removes the rows that `gone_id` or `gone_body` names: a strand is split where a point is
+  /// removed.
   /// @param carried  by scalar, as numbered; updated
   template <class GoneId, class GoneBody>
   void erase(std::vector<double>& carried, const GoneId& gone_id, const GoneBody& gone_body);

@@ -38,7 +38,8 @@ constexpr double kLeverArm = 0.1;
 /// Bodies that close a joint's gap leave overlaps slowly. After an impact has left a limb on the
 /// wrong side of something, contacts and the joint want it in two places, and pushed at full speed
 /// it oscillates between them: in five heaps of 27 ragdolls 17 to 76 bodies trembled after 8 s, at
-/// up to 1.1 m/s; now at most 2 do, with joints at most 0.3 mm apart (p99). At 0.02 m/s three of
+/// up to 1.1 m/s, with joints open by 9 mm to 1 m; now at most 2 do, with joints open by at most
+/// 0.3 mm (p99). At 0.02 m/s three of
 /// fifteen dolls that fall on a floor do not sleep after 6 s; at 0 overlaps stay.
 void yield_to_gaps(const SubstepContext& ctx) {
   constexpr double kSlow = 0.005;  // m/s

@@ -274,7 +274,8 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       double& residual = record.displacement_residual[i];
       if ((record.in_part >> i & 1u) != 0) {
         residual = residual_of(axis, c[i]);
-        if (std::abs(residual) > ctx.joint_tolerance) record.gap.open(std::abs(residual));
+        if (std::abs(residual) > std::max(JointGap::kTolerance, ctx.joint_tolerance))
+          record.gap.open(std::abs(residual));
         return;
       }
       if (!left) return;

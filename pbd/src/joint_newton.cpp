@@ -32,9 +32,9 @@ constexpr double kTrust = 0.5;
 /// inertia. Otherwise bodies that hang on an anchor placed 10 m to the side are dragged along, and
 /// swing at 11 rad/s at the end.
 constexpr double kClosingTurn = 1e-3;
-/// Share of the tolerance: a turn that ends no further from where a free rotation would end is not
-/// carried by one, which takes as long as the rest of an iteration. Dolls that lie on the ground
-/// take 0.7 of the time.
+/// Share of the tolerance, taken in rad: a turn that ends no further from the end of a free
+/// rotation is not carried by one, which takes as long as the rest of an iteration. Dolls that lie
+/// on the ground take 0.7 of the time.
 constexpr double kCurve = 1e-3;
 
 /// Remaining distance of moves that shrink geometrically, as with a constant matrix.

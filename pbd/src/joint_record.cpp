@@ -231,9 +231,10 @@ void JointRecord::save(ByteWriter& out) const {
 void JointRecord::load(ByteReader& in) {
   FieldReader io(in);
   record_fields(io, *this, def, state);
-  for (int c = 0; c < kCone; ++c) {
-    const JointAxis& read = axis(c);
-    if (read.freedom > Freedom::Limited || read.motor.mode > MotorMode::Position) in.fail();
+  for (const auto* axes_read : {&def.linear, &def.angular}) {
+    for (const JointAxis& read : *axes_read) {
+      if (read.freedom > Freedom::Limited || read.motor.mode > MotorMode::Position) in.fail();
+    }
   }
   if (def.drive.motor.mode > MotorMode::Position) in.fail();
   refresh();

@@ -40,7 +40,8 @@ struct JointRecord {
   Vec3 spin = Vec3::Zero();   ///< rad/s, of b relative to a at the start of the step
   JointDrive drive;
   /// Effective settings of each coordinate: friction as a motor at speed 0, and springs of a
-  /// frequency with their stiffness and damping.
+  /// frequency with their stiffness and damping. Those of the drive have rest and target from
+  /// begin_drive() on.
   std::array<JointAxis, kCoordinates> axes{};
   std::uint32_t used = 0;     ///< bits of coordinates that may get a row
   std::uint32_t in_part = 0;  ///< bits of coordinates that the last substep has solved only in part
@@ -50,8 +51,8 @@ struct JointRecord {
   bool alive = false;
 
   bool active() const { return alive && def.enabled && !state.broken; }
-  /// Recomputes `used`, `turning`, `point` and `passive` from the definition; unused coordinates
-  /// lose their residual.
+  /// Recomputes `axes`, `used`, `turning`, `point` and `passive` from the definition; unused
+  /// coordinates lose their residual.
   void refresh();
   /// The coordinate of turns about `turning` (0), and of the axes after it (1, 2).
   int turn(int i) const { return kTwist + (turning + i) % 3; }

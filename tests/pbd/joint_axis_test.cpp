@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
+#include <cstddef>
+#include <vector>
+
 #include "joint_fixture.h"
+#include "joint_record.h"
 #include "support/catch.h"
+#include "tandem/pbd/bytes.h"
 
 namespace joint_axis_test {
 
@@ -152,6 +157,25 @@ TEST_CASE("joint: a soft cone gives way by load times compliance, and its damper
   }
   CHECK(swings[0] > 1e-3);
   CHECK(swings[1] < 1e-6);
+}
+
+TEST_CASE("joint: bytes with a freedom or mode that no joint has are refused",
+          "[pbd][joint][unit]") {
+  const auto is_refused = [](auto&& change) {
+    JointRecord record;
+    change(record.def);
+    std::vector<std::byte> bytes;
+    ByteWriter out(bytes);
+    record.save(out);
+    ByteReader in(bytes);
+    JointRecord().load(in);
+    return in.failed();
+  };
+  CHECK_FALSE(is_refused([](SixDofJointDef&) {}));
+  CHECK(is_refused([](SixDofJointDef& def) { def.linear[2].freedom = Freedom{200}; }));
+  CHECK(is_refused([](SixDofJointDef& def) { def.angular[0].freedom = Freedom{3}; }));
+  CHECK(is_refused([](SixDofJointDef& def) { def.angular[1].motor.mode = MotorMode{9}; }));
+  CHECK(is_refused([](SixDofJointDef& def) { def.drive.motor.mode = MotorMode{9}; }));
 }
 
 }  // namespace joint_axis_test

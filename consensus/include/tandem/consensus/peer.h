@@ -103,7 +103,8 @@ struct TANDEM_API PeerOptions {
   /// as in [friston] Sec. 4.6. If false, only resting bodies are left alone, by the criterion that
   /// one pass has for sleep: slow and within 1 mm and 1 degree for half a second.
   bool two_step_thresholds = true;
-  /// Whether the peer whose user acted on a body last leads it, see docs/ARCHITECTURE.md.
+  /// Whether the only peer whose user acts on a body, or acted on it last, leads it, see
+  /// docs/ARCHITECTURE.md.
   bool initiative = true;
   /// Whether one peer's copies are elected if no average brings copies together (they rest on
   /// different faces, or something solid is between them); false: they are averaged.

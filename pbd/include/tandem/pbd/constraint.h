@@ -49,7 +49,7 @@ struct alignas(64) TANDEM_API SolverBody {
   bool held = false;  ///< contacts oppose its displacement (by agreement, here or on another rank)
   /// A row of a block before contacts names it: its predicted pose is needed before those project.
   bool projected = false;
-  /// A row of a block after contacts moves it.
+  /// A contact or a row of a later block names it.
   bool pushed = false;
   /// Something may turn it in this step. Otherwise (no spin, no row with a lever arm) its inverse
   /// inertia is 0 for the step and its orientation stays.

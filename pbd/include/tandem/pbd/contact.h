@@ -85,13 +85,13 @@ struct ContactBrief {
 /// All normals of a manifold are solved together, as a linear complementarity problem of up to four
 /// unknowns. Friction acts at their centre of pressure, as a 2x2 block in the tangent plane and a
 /// row of twist about the normal. Both are solved for the velocity of the substep: with Jacobians
-/// that are constant over the substep, moving a pose by h dv equals projecting C(x + h v), and no
-/// orientation is renewed within a sweep. Gaps are measured from the anchors once per substep.
-/// Friction undoes the displacement of the substep, with |lambda_t| <= mu sum(lambda_i): the
-/// multiplier is clamped to the cone, not skipped outside it. The velocity pass continues with the
-/// same multiplier, because stopping normal velocities makes a tilted body slide.
-/// Source: [mueller2020] Sec. 3.5 and 3.6. Differs: as above, plus warm start and a velocity pass
-/// with accumulated clamping.
+/// that are constant over the step (the substep, if a body tumbles), moving a pose by h dv equals
+/// projecting C(x + h v), and no orientation is renewed within a sweep. Gaps are measured from the
+/// anchors once per substep. Friction undoes the displacement of the substep, with |lambda_t| <= mu
+/// sum(lambda_i): the multiplier is clamped to the cone, not skipped outside it. The velocity pass
+/// continues with the same multiplier, because stopping normal velocities makes a tilted body
+/// slide. Source: [mueller2020] Sec. 3.5 and 3.6. Differs: as above, plus warm start and a velocity
+/// pass with accumulated clamping.
 class TANDEM_API ContactBlock final : public ConstraintBlock {
  public:
   ContactBlock();

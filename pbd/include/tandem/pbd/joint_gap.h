@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace tandem::pbd {
@@ -31,7 +32,7 @@ struct JointGap {
   void settle(double size, double tolerance, bool pressed) {
     if (!is_open()) return;
     ++stalled;
-    if (!(size > (pressed ? kTolerance : tolerance))) *this = {};
+    if (!(size > (pressed ? kTolerance : std::max(kTolerance, tolerance)))) *this = {};
     if (size < least) *this = {.least = size};
   }
 };
