@@ -15,10 +15,6 @@ from report import (SCENARIOS, brief_lines, class_lines, cost_lines, divergence_
 from stats import mean, over, short, text, values
 from svg_figure import on_page
 
-SCORES = (("cubes", "plate_carried_m", "plate carried (m)"), ("cubes", "cubes_on_plate", "cubes on it"),
-          ("room", "blocks_stacked", "blocks stacked"), ("room", "bench_moved_m", "bench moved (m)"),
-          ("tennis", "hits", "hits"), ("piano", "delivered_at_s", "delivered after (s)"),
-          ("cliff", "deepest_m", "deepest ball (m)"))
 RALLY = "tennis: strokes that keep the rally going, of those where nothing is late"
 
 
@@ -44,16 +40,6 @@ def far(results, path, factor=1.0, scenarios=SCENARIOS):
     """A mean at profile 5, by scenario: text."""
     found = [(s, mean(results.get((s, "default", 5)), path, factor)) for s in scenarios]
     return ", ".join(f"{s} {short(v)}" for s, v in found if v is not None)
-
-
-def scores(results):
-    """A few scores at profile 5, at both peers."""
-    texts = []
-    for s, name, what in SCORES:
-        both = [mean(results.get((s, "default", 5)), f"outcome.peer_{i}.{name}") for i in (1, 2)]
-        if None not in both:
-            texts.append(f"{s}, {what} {' / '.join(short(v) for v in both)}")
-    return "; ".join(texts)
 
 
 def over_control(results, path, profile):
@@ -97,11 +83,10 @@ def write(results, out, docs, note=""):
         "# Evaluation", "",
         "How far apart, how late and how smooth the five [scenarios](scenarios.md) are over five networks, beside the "
         f"figures of [friston]. Two peers in virtual time, {runs} runs, up to {seeds} seeds from {first} on; all "
-        "options are defaults, nothing is tuned for a scenario or a network. Profiles are those of [friston] Table 3: "
-        "3.5, 6, 28.5, 63.5 and 123.5 ms one way at profiles 1 to 5. Figures are means over seeds, in CSV files ± half "
-        "of the 95 % confidence interval. Percentiles count every sample of every body, outliers and teleports "
-        "included, unless said. `benchmarks/evaluation.py build/release/bin RESULTS` writes this page: "
-        "edit the program, not the page.", "",
+        "options are defaults. Profiles 1 to 5 are those of [friston] Table 3: 3.5, 6, 28.5, 63.5 and 123.5 ms one "
+        "way. Figures are means over seeds, in CSV files ± half of the 95 % confidence interval. Percentiles count "
+        "every sample of every body, outliers and teleports included, unless said. `benchmarks/evaluation.py "
+        "build/release/bin RESULTS` writes this page: edit the program.", "",
         *([f"**State.** {note}", ""] if note else []),
         "## Findings", "",
         f"{yes} of {len(rows)} bounds hold ([all]({aside('what_must_hold', must_hold_table(rows))})), each in its "
@@ -125,10 +110,10 @@ def write(results, out, docs, note=""):
         "## Consistency",
         *figure("evaluation_divergence", "divergence of position"),
         f"[Every profile]({aside('consistency', divergence_lines(results))}), with rotation, influence 0, and the "
-        "paper's whisker, the largest value that it would not call an outlier. "
+        "paper's whisker (the largest value that is no outlier there). "
         f"[By class of body]({aside('divergence_by_class', class_lines(results))}): owned by one user; held by a "
-        "spring; else resting (up to 5 cm/s), touching something, or free. Jumps by teleporting are left out there "
-        f"for 0.3 s. Bodies at rest are at most {short(max(rest))} mm apart at p95. The tail is made of free bodies "
+        "spring; else resting (up to 5 cm/s), touching something, or free; without 0.3 s after each teleport. "
+        f"Bodies at rest are at most {short(max(rest))} mm apart at p95. The tail is made of free bodies "
         f"(p95 at profile 5, mm: {far(results, 'classes.free.divergence_m.p95', 1e3)}) and of held ones "
         f"({far(results, 'classes.held.divergence_m.p95', 1e3)}).", "",
         "### The physical limit", "",
@@ -141,10 +126,9 @@ def write(results, out, docs, note=""):
         f"{far(results, 'held_by_one_m.p95', 1e3, ('cubes', 'room'))}.", "",
         "### Stretch", "",
         f"[Stretch]({aside('stretch', stretch_lines(results))}) is the distance between a user's hand and the point "
-        "that it holds, at that user's own peer and at the start of every step. It is compared with the same inputs in "
-        "one world without delay. In cubes and room it is the same, held by one user or several: a hanging load "
-        "stretches its springs by 1 cm in both cases. In the piano each peer knows its own user's spring alone and "
-        "drags the whole load of its own world, so that springs stretch "
+        "that it holds, at that user's own peer and at the start of every step. With the same inputs in one world "
+        "without delay it is the same in cubes and room, held by one user or several. In the piano each peer knows "
+        "its own user's spring alone and drags the whole load of its own world, so springs stretch "
         f"{brief['piano: held by several, stretch p50 over alone']} times as far as alone (p50).", "",
         "## Latency", "",
         *latency_lines(results, lambda own, path: short(mean(own, path))), "",
@@ -165,16 +149,16 @@ def write(results, out, docs, note=""):
         "## Jitter", "",
         f"[Jitter]({aside('jitter', jitter_lines(results))}): motion above 5 Hz, spectral arc length, jerk and "
         "acceleration, each ours / the same inputs at one peer; corrections, and *pops*, which are corrections above 5 "
-        "mm in one step, over all bodies. *Residual* is the part above 5 Hz of the difference between both ways. It is "
-        "large in a chaotic world (cliff) on any network. Tennis is set beside a run with the same users without "
-        "delay, since a racket that repeats its strokes misses. At profile 5, corrections at p99 in mm: "
+        "mm in one step, over all bodies. *Residual* is the part above 5 Hz of the difference between both ways, large "
+        "in a chaotic world (cliff) on any network. Tennis is compared with the same users without delay, since a "
+        "racket that repeats its strokes misses. At profile 5, corrections at p99 in mm: "
         f"{far(results, 'smoothness.correction_m.p99', 1e3)}; pops a minute: "
         f"{far(results, 'smoothness.pops_per_minute')}.", "",
         "## Agreement of worlds", "",
         f"[Worlds]({aside('agreement_of_worlds', world_lines(results))}): the share of touching pairs that touch at "
-        "one peer only; the time from the last input until no body without owner is more than 5 mm apart, and in how "
-        "many runs that came; overlaps and energies. Overlap is taken from the poses of boxes, balls and half-spaces "
-        "at z = 0; hulls, cylinders and triangles are not covered. Touching pairs that differ at profile 5: "
+        "one peer only; the time from the last input until no body without owner is more than 5 mm apart, and the "
+        "number of runs that reach it; energies; and overlaps, of boxes, balls and half-spaces at z = 0 only. "
+        "Touching pairs that differ at profile 5: "
         f"{far(results, 'contact_disagreement.mean')}. Deepest overlap there, mm: "
         f"{far(results, 'penetration_m.max', 1e3)}. Agreement puts {short(max(carried))} J through the displacement "
         f"channel; the energy that it puts into velocities at profile 5, in J: "
@@ -186,13 +170,12 @@ def write(results, out, docs, note=""):
         f"has both pull apart. p95, mm ([more]({aside('variants', variant_lines(results))})): "
         f"{variants_in_short(results)}.", "",
         "## Modes", "",
-        "Who simulates a user's springs ([friston] Sec. 7.1), for bodies without owner. *Soft*: all peers. "
-        "*Asymmetric*: its own peer alone. *Hard*: no springs; hands drag bodies, and physics has no say. "
-        f"[Modes]({aside('modes', mode_lines(results))}): soft is closest in cubes and room; in the piano at profile 5 "
-        "asymmetric is closer, and hard is not stable.", "",
+        "A user's springs ([friston] Sec. 7.1) are simulated by all peers (*soft*) or by that user's peer alone "
+        "(*asymmetric*). *Hard* has none: hands drag bodies, and physics has no say. For bodies without owner [soft is "
+        f"closest]({aside('modes', mode_lines(results))}) in cubes and room; in the piano at profile 5 asymmetric is "
+        "closer, and hard is not stable.", "",
         "## Success", "",
-        f"[Scores]({aside('success', success_lines(results))}) of each task at both peers, means over seeds. At "
-        f"profile 5: {scores(results)}.", ""]
+        f"[Scores of each task]({aside('success', success_lines(results))}) at both peers, means over seeds.", ""]
     if any(variant == "recorded" for _, variant, _ in results):
         lines += recorded.section(results, page)
     pages.write(page, pages.wrapped("\n".join(lines)))

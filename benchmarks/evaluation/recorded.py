@@ -58,15 +58,14 @@ def section(results, page):
         HEADING, "",
         f"In cubes and room, p95 of what one user holds is {_over_limit(results, lambda s: 'recorded')} times the "
         f"[physical limit](#the-physical-limit) with recorded hands and {_over_limit(results, cells.scripted)} times "
-        "with scripted ones. Copies are further apart with recorded hands because these turn and stop more sharply, "
-        "which no peer can foresee. Profile 5:", "",
+        "with scripted ones. Recorded hands turn and stop more sharply, which no peer can foresee, so copies are "
+        "further apart. Profile 5:", "",
         *_brief(results), "",
-        f"[All profiles]({pages.aside(page, 'recorded_hands', _lines(results))}). Recorded hands do the work of a "
-        "room's page ([hands.md](hands.md#recorded-hands)); scripted ones are of the same build. **No person moved**: "
-        "`tests/room/synthetic_hands.mjs` made both records by driving the page with a pointer that overshoots, "
-        f"corrects, pauses and trembles. Seeds {first} to {last} draw noise, orders and links; the hands are the same "
-        "in all. Moving bodies are those without owner, jumps left out. The piano is its variant *soft*, whose springs "
-        "all peers know. `benchmarks/evaluation.py --recorded` writes this section.", ""]
+        f"[All profiles]({pages.aside(page, 'recorded_hands', _lines(results))}). Recorded hands are those of a room's "
+        "page ([hands.md](hands.md#recorded-hands)). **No person moved**: `tests/room/synthetic_hands.mjs` made both "
+        "records by driving the page with a pointer that overshoots, corrects, pauses and trembles. Seeds "
+        f"{first} to {last} draw noise, orders and links. Moving bodies are those without owner, jumps left out. The "
+        "piano is its variant *soft*. `benchmarks/evaluation.py --recorded` writes this section.", ""]
 
 
 def write(results, docs):
