@@ -33,7 +33,7 @@ import pages
 
 HEAD = """# One pass against two steps
 
-This page shows the worth of each choice in [the method](method.md). *One pass* puts the agreed target into the \
+This page measures what each choice in [the method](method.md) is worth. *One pass* puts the agreed target into the \
 solver's pass, among contacts and joints. *Two steps* averages states before the step, as [friston] published it; \
 contacts and joints answer afterwards.
 

@@ -203,10 +203,9 @@ def report(results, docs):
                      [[name, f"{ratio:.2f}", str(ours), str(neither), str(theirs)]
                       for name, (ratio, ours, neither, theirs) in compared.items()]),
         "",
-        f"[By cell]({ratios}). [All schemes]({schemes}), Bullet and single owners "
-        f"among them: {', '.join(whole)}. [Cells in which another stable scheme without owners is over a tenth "
-        f"closer]({rivals}): averages of late states slow bodies down, and slow bodies are closer, so compare free "
-        "speed and energy too.",
+        f"[By cell]({ratios}). [All schemes]({schemes}), Bullet and single owners among them: {', '.join(whole)}. In "
+        f"[some cells]({rivals}) another stable scheme without owners is over a tenth closer: averages of late states "
+        "slow bodies down, so compare free speed and energy too.",
         "",
         "*Stable*: nothing got lost or broke and, in cubes, untouched stacks stand to 5 mm; Bullet's settle by more "
         "even alone. The energy of agreement is the solver's account, which two steps bypass.", ""])

@@ -240,8 +240,8 @@ def report(results, docs):
         f"{stable[1]} over closing shares and delays. Joints open by {measured['joint opening']} at most. Overlaps "
         f"where geometry differs: {measured['steady overlap where geometry differs']}.", "",
         "`build/release/bin/extreme`: boxes of 0.5 m and 1 kg unless said; links of 0, 3 and 7 frames, and profile 5; "
-        "every peer simulates every user's springs. *Stable*: finite, standing where it has to, never apart by 1 m "
-        "beyond the scene's own difference, not growing in the last quarter.", "",
+        "every peer simulates every user's springs. *Stable*: finite, standing if it has to, never apart by 1 m beyond "
+        "the scene's own difference, and not drifting apart in the last quarter.", "",
         *pages.table(["bound on", "measured", "bound", "holds"], bounds), "",
         f"0.03 is the precision of the energy account. [Each scene at profile 5]({scenes}): largest distance between "
         "two copies (180 degrees: in degrees), and overlap, over the run and in its last second.", "",
@@ -250,7 +250,7 @@ def report(results, docs):
           + [""] if loses else []),
         f"*Topology*: {LINK_OF_TOPOLOGY} frames of delay, nothing relayed. {_box(rows)}"
         f"[All scenes]({topology}): frames to 1 % / 1 mm, one pass; two steps.", "",
-        "*Cost*: 20 stacks of five, the others' states millimetres off. For each body a step takes "
+        "*Cost*: 20 stacks of five, the others' states millimetres off. A step takes, for each body, "
         + ", ".join(f"{float(c['step_us']):.2f}" for c in costs) + " us with "
         + ", ".join(c["peers"] for c in costs) + f" peers, and packets, prediction and fusion {min(agreement):.2f} "
         f"to {max(agreement):.2f} us for each other peer (least disturbed tenth of rounds).", ""])

@@ -94,11 +94,11 @@ def report(results, docs):
     by_link = pages.aside(page, "stable_by_link", uneven)
     return "\n".join([
         "## Which shares are stable at which delay", "",
-        f"Of {total(cases, 'one-pass')} cases of share and delay one pass is stable in {total(stable, 'one-pass')}, "
-        f"two steps with the same prediction in {total(stable, 'two-step')}. With the paper's prediction and shares "
-        f"they are {total(stable, 'one-pass-plain')} and {total(stable, 'two-step-plain')}.", "",
+        f"One pass is stable in {total(stable, 'one-pass')} of {total(cases, 'one-pass')} cases of share and delay, two "
+        f"steps with the same prediction in {total(stable, 'two-step')}; with the paper's prediction and shares they "
+        f"are in {total(stable, 'one-pass-plain')} and {total(stable, 'two-step-plain')}.", "",
         f"`build/release/bin/stability`: {', '.join(scenes)}; two peers, at first 5 cm apart (the chain: turned "
-        "aside), without users; shares 0.02 to 0.5, alike and 0.02 against 0.5; delays of 0 to 30 frames; 15 s. "
+        "aside), without users; shares 0.02 to 0.5, equal, and 0.02 against 0.5; delays of 0 to 30 frames; 15 s. "
         "*Stable*: in the last 4.5 s the difference is below its start, and below 0.1 mm or not above that of the "
         "4.5 s before.", "",
         f"With delays to {MOST_DELAY} frames one pass is stable in {total(within, 'one-pass')} of "
