@@ -3,7 +3,8 @@
 # Copyright (c) 2026 The Tandem authors
 #
 # Builds the program `determinism` with g++, with clang and, where it was built before (preset web), for
-# WebAssembly, runs all of them and prints the table of docs/determinism.md. Exits with 1 where two hashes differ.
+# WebAssembly, runs all of them and prints the table of docs/determinism.md. Exits with 1 where two hashes differ, or
+# the page has others.
 #   benchmarks/determinism/table.sh [--quick|--cross] [what determinism takes: scenes, --steps N]
 # --quick: without clang
 # --cross: for libc++, ARM and Windows as well, the latter on emulators (cross.sh), ten minutes more
@@ -50,6 +51,7 @@ fi
 echo "| scene | steps | hash | ${names//|/ | } |"
 echo "|---|---|---|$(sed 's/[^|]*|/---|/g; s/[^|]*$/---|/' <<<"$names")"
 differ=0
+stale=''
 while read -r scene steps hash; do
   row="| $scene | $steps | \`$hash\` |"
   for result in "$results"/*; do
@@ -62,5 +64,12 @@ while read -r scene steps hash; do
     fi
   done
   echo "$row"
+  if [[ $# -eq 0 ]] && ! grep -qF "| $scene | $steps | \`$hash\` |" docs/determinism.md; then
+    stale+=" $scene"
+  fi
 done <"$results/1"
+if [[ -n $stale ]]; then
+  echo "docs/determinism.md has other hashes of$stale" >&2
+  differ=1
+fi
 exit $differ
