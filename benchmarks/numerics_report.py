@@ -205,8 +205,8 @@ def peer_lines(points, machine):
             f"{f'medians of {repeats} runs' if repeats > 1 else 'one run each'}"
             f"{f', {len(heap.times)} of the heap' if heap and repeats > 1 else ''}. "
             "The machine was in use: compare ratios, not times. [benchmarks/peers](../benchmarks/peers/README.md) "
-            "says what each engine runs with, how it is built and how to repeat this. A heap whose columns still "
-            "stand has fewer pairs to solve: its mean height tells.", "",
+            "has settings, builds and commands. A heap whose columns still stand (mean height) has fewer pairs to "
+            "solve.", "",
             *peer_table.tables(points)]
 
 

@@ -26,20 +26,14 @@ ENGINES = runs.NAMES
 INTRODUCTION = """\
 `benchmarks/everyday` runs small scenes that users of any engine build, over many neighbours (shapes, sizes, speeds,
 phases within a step, grounds), at the default settings. A line is the worst of its cases beside what physics allows.
-`--cases` prints each case beyond its bound; `known.cpp` gives reasons. `everyday_test` runs a few cases (`--quick`),
-`.ci/run everyday` all."""
+`--cases` prints each case beyond its bound; `known.cpp` gives reasons. `everyday_test` runs a few, `.ci/run everyday`
+all."""
 # What the scenes are in other engines.
 BESIDE = """\
-`--engine` runs them in another engine, at its defaults but without damping. A dash: the
-[adapter](../benchmarks/peers/README.md) lacks such a body (cones, compounds, height fields, kinematic bodies), or only
-Tandem was run. The other engines differ:
-
-- No body is marked as fast (bullet, linear cast).
-- Jolt and Box3D limit spin to 47 rad/s: bodies that roll or spin faster slow down, and gain no energy.
-- Box3D's half-space is a slab of 400 m, its cylinder a prism of 24 sides. Hulls with more than 128 edges keep 44
-  corners.
-- Jolt rounds convex shapes by up to 50 mm and lets them sink by 20 mm, which counts as a hop and as depth. Its bodies
-  fall asleep by the distance they moved, not by speed."""
+`--engine` runs them in [another engine](../benchmarks/peers/README.md#what-they-run-with), at its defaults but without
+damping. A dash: its adapter lacks such a body (cones, compounds, height fields, kinematic bodies), or only Tandem was
+run. No body is marked as fast (bullet, linear cast). Jolt and Box3D limit spin to 47 rad/s. Jolt lets bodies sink by
+20 mm, which counts as a hop and as depth. Its bodies fall asleep by the distance they moved, not by speed."""
 
 
 def number(value):

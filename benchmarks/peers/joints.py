@@ -31,15 +31,11 @@ WHAT = {
 }
 INTRODUCTION = """\
 `benchmarks/scenes/joint_scenes.cpp` has Box3D's benchmarks and samples of joints at their published sizes (rain, human,
-joint_grid, ball_and_chain; the jointed parts of bridge and doors), and more that games build.
-
-- The doll is Box3D's human to the millimetre, but no joint is open at the start or has a spring, and there is no
-  rolling resistance. Box3D's own rain drops a row of ten groups every 0.8 s; here all fall at once. It has no
-  *wedge* of dolls.
-- Friction is 0.5, gravity 9.81 m/s^2, a frame 1/60 s. One thread, 10 s (rain 6 s, joint_grid 5 s).
-- Engines run at their defaults without damping. Bodies may sleep, except in joint_grid, as in Box3D's own: limbs below
-  0.03 m/s and 0.3 rad/s in Tandem, as in its ragdolls, bodies below 0.03 m/s in Jolt and 0.05 m/s in Box3D.
-- Times are of frames in which something was awake. The adapters of Bullet and PhysX lack such joints."""
+joint_grid, ball_and_chain; the jointed parts of bridge and doors), and more that games build
+([differences](../benchmarks/peers/README.md#what-they-run-with)). Friction is 0.5, gravity 9.81 m/s^2, a frame 1/60 s.
+One thread, 10 s (rain 6 s, joint_grid 5 s). Engines run at their defaults without damping. Bodies may sleep, except in
+joint_grid, as in Box3D's own: limbs below 0.03 m/s and 0.3 rad/s in Tandem, bodies below 0.03 m/s in Jolt and 0.05 m/s
+in Box3D. Times are of frames in which something was awake. The adapters of Bullet and PhysX lack such joints."""
 
 
 def read(path):
