@@ -27,7 +27,7 @@ constexpr std::size_t kMaxPlainBytes = 62 * 1024;
 constexpr std::size_t kMaxProfileBytes = 512;
 
 /// What members of a room say to each other, sealed with the room's key, which servers never have.
-/// The page runs this code as well (docs/room.md, "What is sealed").
+/// The page runs this code as well (tools/room/README.md, "What is sealed").
 ///
 ///     hello   u8 1 | 24 nonce | sealed by the room's key: 16 life, profile
 ///     packet  u8 2 | u64 counter, from 1 | sealed by the key of sender and receiver: bytes

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What members say of their heads and hands (docs/room.md, channel 4). Said by members, so untrusted: what is not of
+// What members say of their heads and hands (tools/room/README.md, channel 4). Said by members, so untrusted: what is not of
 // this form, not finite, far from the room or too often is dropped and counted.
 import {mixed} from './poses.js';
 

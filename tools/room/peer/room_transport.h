@@ -23,7 +23,7 @@ enum class Channel : std::uint8_t {
   Words = 2,     ///< JSON: who is away, what was made, how to meet directly
   Digest = 3,    ///< where the sender's bodies are, to be compared
   Hand = 4,      ///< where the sender's hand is: f32 anchor and attachment, and the body's name.
-                 ///< Pages in headsets say head and hands (docs/room.md)
+                 ///< Pages in headsets say head and hands (tools/room/README.md)
 };
 
 /// Members of a room as a transport between peers, by way of the room's server.

@@ -10,7 +10,7 @@
 namespace tandem::room {
 
 /// What a room's server and its members say over their WebSocket: binary messages, little-endian,
-/// each beginning with its kind (docs/room.md).
+/// each beginning with its kind (tools/room/README.md).
 enum class Wire : std::uint8_t {
   // From a member:
   Join = 1,  ///< u64 its id; first
