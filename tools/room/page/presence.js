@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What members say of their heads and hands (tools/room/README.md, channel 4). Said by members, so untrusted: what is not of
-// this form, not finite, far from the room or too often is dropped and counted.
+// What members say of their heads and hands (tools/room/README.md, channel 4). Said by members, so untrusted: what is
+// not of this form, not finite, far from the room or too often is dropped and counted.
 import {mixed} from './poses.js';
 
 const POINTER_BYTES = 24;   // anchor (world) and attachment (body), f32; the body's name follows
