@@ -249,6 +249,35 @@ TEST_CASE("joint start: a load on the limit comes back with it, and rests", "[pb
   }
 }
 
+TEST_CASE("joint start: a gap that has closed costs nothing more while its bodies move",
+          "[pbd][joint]") {
+  // A chain that tumbles, first open by 5 cm.
+  World world(weightless());
+  auto& joints = world.add_block<JointBlock>();
+  BodyId before;
+  for (int i = 0; i < 4; ++i) {
+    BodyDef def = box_def(1.0, Vec3(0.2, 0.1, 0.1), Vec3(0.5 * i, 0.0, 0.0));
+    def.twist.angular = Vec3(1.0, 2.0, 3.0 * i);
+    const BodyId link = world.add_body(def);
+    if (before.valid()) {
+      BallJointDef ball;
+      ball.a = before;
+      ball.b = link;
+      ball.frame_a.anchor = Vec3(0.25, 0.0, 0.0);
+      ball.frame_b.anchor = Vec3(-0.25, 0.0, i == 1 ? 0.05 : 0.0);
+      joints.add(world, ball);
+    }
+    before = link;
+  }
+  Solver solver({.sleep_after = 0.0});
+  const auto displaced = [&] {
+    return solver.step(world, kFrame).ran[static_cast<std::size_t>(Stage::Agree)];
+  };
+  CHECK(displaced());
+  for (int i = 0; i < 60; ++i) displaced();
+  for (int i = 0; i < 120; ++i) CHECK_FALSE(displaced());
+}
+
 TEST_CASE("joint start: a limit holds in steps in which nothing moves by the tolerance",
           "[pbd][joint]") {
   Arm arm(-3.0, 0.0, 0.0);
