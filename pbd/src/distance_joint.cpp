@@ -175,8 +175,9 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
   const Arms arm = arms(ctx, ground);
   const double c = arm.length - def_.rest_length;
   residual_ = violation(axis(), c);
-  const bool pressed = arm.a->is_pushed() || arm.b->is_pushed();
-  if (pressed && !n_.isZero(0.0)) displacement_residual_ = residual_of(axis(), c);
+  if ((arm.a->is_pushed() || arm.b->is_pushed()) && !n_.isZero(0.0)) {
+    displacement_residual_ = residual_of(axis(), c);
+  }
   if (!def_.enabled) {
     if (!broke_) force_ = 0.0;
     broke_ = false;
@@ -187,7 +188,7 @@ void DistanceJoint::end_step(const SubstepContext& ctx) {
     if (!std::isfinite(*value)) *value = 0.0;
   }
   if (!n_.allFinite()) n_.setZero();
-  gap_.settle(std::abs(displacement_residual_), ctx.joint_tolerance, pressed);
+  gap_.settle(std::abs(displacement_residual_));
 }
 
 void DistanceJoint::save(ByteWriter& out) const {

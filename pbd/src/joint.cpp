@@ -274,8 +274,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       double& residual = record.displacement_residual[i];
       if ((record.in_part >> i & 1u) != 0) {
         residual = residual_of(axis, c[i]);
-        if (std::abs(residual) > std::max(JointGap::kTolerance, ctx.joint_tolerance))
-          record.gap.open(std::abs(residual));
+        if (std::abs(residual) > JointGap::kTolerance) record.gap.open(std::abs(residual));
         return;
       }
       if (!left) return;
@@ -287,7 +286,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     for (double& residual : record.displacement_residual) {
       if (!std::isfinite(residual)) residual = 0.0;
     }
-    record.settle_gap(ctx.joint_tolerance, left);
+    record.settle_gap();
   }
 }
 

@@ -219,9 +219,7 @@ void JointCoupling::end_step(const SubstepContext& ctx) {
   for (double* value : {&displacement_residual_, &residual_, &near_[0], &near_[1]}) {
     if (!std::isfinite(*value)) *value = 0.0;
   }
-  const bool pressed =
-      ctx.bodies[def_.one.b.index].is_pushed() || ctx.bodies[def_.two.b.index].is_pushed();
-  gap_.settle(std::abs(displacement_residual_), ctx.joint_tolerance, pressed);
+  gap_.settle(std::abs(displacement_residual_));
 }
 
 void JointCoupling::save(ByteWriter& out) const {

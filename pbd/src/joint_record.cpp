@@ -217,10 +217,10 @@ void JointRecord::aim(const SolverBody& a, const SolverBody& b, double substep) 
   }
 }
 
-void JointRecord::settle_gap(double tolerance, bool pressed) {
+void JointRecord::settle_gap() {
   double size = 0.0;
   for (const double residual : displacement_residual) size = std::max(size, std::abs(residual));
-  gap.settle(size, tolerance, pressed);
+  gap.settle(size);
 }
 
 void JointRecord::save(ByteWriter& out) const {

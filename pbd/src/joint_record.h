@@ -73,7 +73,7 @@ struct JointRecord {
   /// residual to the rest.
   void aim(const SolverBody& a, const SolverBody& b, double substep);
   /// Updates the gap after the step.
-  void settle_gap(double tolerance, bool pressed);
+  void settle_gap();
   const JointAxis& axis(int c) const { return axes[static_cast<std::size_t>(c)]; }
   /// Sets `axes` from the definition and the masses of the springs.
   void resolve();

@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 namespace tandem::pbd {
@@ -11,7 +10,8 @@ namespace tandem::pbd {
 /// or limits changed. It closes by displacement, which gives no velocity (docs/ARCHITECTURE.md).
 /// Saved with the joint.
 struct JointGap {
-  /// m or rad: an increase over the last step's residual by less than this is rounding.
+  /// m or rad: an increase over the last step's residual by less than this is rounding. A gap
+  /// smaller than this is closed.
   static constexpr double kTolerance = 1e-9;
 
   double least = 0.0;         ///< m or rad, its minimum so far; 0 = closed
@@ -24,15 +24,11 @@ struct JointGap {
   void open(double size) {
     if (size > least) *this = {.least = size};
   }
-  /// Updates after a step.
-  /// @param size  remaining violation, m or rad
-  /// @param tolerance  m or rad, the accuracy of joints: a smaller gap is closed
-  /// @param pressed  contacts act on the joint's ends. They may be all that the gap waits for, and
-  ///   would open it again: it is closed without a remainder only.
-  void settle(double size, double tolerance, bool pressed) {
+  /// Updates after a step. @param size  remaining gap
+  void settle(double size) {
     if (!is_open()) return;
     ++stalled;
-    if (!(size > (pressed ? kTolerance : std::max(kTolerance, tolerance)))) *this = {};
+    if (!(size > kTolerance)) *this = {};
     if (size < least) *this = {.least = size};
   }
 };
