@@ -39,7 +39,7 @@ void want_substeps(std::span<const JointRecord> records, const SubstepContext& c
     const Vec3 spin = relative_spin(record.def, ctx.bodies);
     double fastest = spin.norm();
     if (!is_pushed(record, ctx.bodies))
-      fastest = std::max(fastest, (spin + kAhead * (spin - record.spin)).norm());
+      fastest = std::max(fastest, (spin + kAhead * (spin - record.before.spin)).norm());
     const double most = ctx.h / kTurn * fastest;
     for (const BodyId body : {record.def.a, record.def.b}) {
       if (body.valid()) wanted[body.index] = std::max(wanted[body.index], most);
@@ -179,8 +179,8 @@ void JointBlock::begin_step(const SubstepContext& ctx) {
   for (JointRecord& record : impl_->records) {
     record.broke = false;
     record.in_part = 0;
-    record.twist_before = record.twist;
-    if (record.active()) record.spin = relative_spin(record.def, ctx.bodies);
+    record.before.twist = record.twist;
+    if (record.active()) record.before.spin = relative_spin(record.def, ctx.bodies);
   }
 }
 
@@ -255,7 +255,7 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
     if (!std::all_of(c, c + kCoordinates, is_finite) || !state.force.allFinite() ||
         !state.torque.allFinite()) {
       // Non-finite step: bodies return to its start, and so does the joint.
-      record.twist = record.twist_before;
+      record.twist = record.before.twist;
       record.energy_excess = 0.0;
       record.displacement_residual.fill(0.0);
       record.clear_forces();

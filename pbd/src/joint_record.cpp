@@ -92,7 +92,7 @@ void JointRecord::begin_drive(const SolverBody& a, const SolverBody& b, double s
                       : length > reach                  ? Vec3(reach / length * drive.left)
                                                         : drive.left;
   for (int i = 0; i < 3; ++i) {
-    JointAxis& axis = axes[static_cast<std::size_t>(kDrive + i)];
+    JointAxis& axis = axes[kDrive + static_cast<std::size_t>(i)];
     axis.spring.rest = rest[i];
     if (motor.mode != MotorMode::Off) axis.motor.target = target[i];
   }

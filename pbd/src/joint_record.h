@@ -19,6 +19,12 @@ struct JointDrive {
   Vec3 left = Vec3::Zero();       ///< rad, from there to the target of its motor
 };
 
+/// Where a joint is at the start of a step.
+struct JointStart {
+  double twist = 0.0;        ///< rad
+  Vec3 spin = Vec3::Zero();  ///< rad/s, of b relative to a
+};
+
 struct JointRecord {
   SixDofJointDef def;
   JointState state;
@@ -34,10 +40,9 @@ struct JointRecord {
   /// J: gain of the part whose first joint this is; in a part with loops, for its second joint, the
   /// energy that contacts may still lose. See limit_energy_gain().
   double energy_excess = 0.0;
-  double h = 0.0;             ///< s, length of the last substep; 0 before the first
-  double twist_before = 0.0;  ///< rad, twist at the start of the step
-  bool broke = false;         ///< in this step
-  Vec3 spin = Vec3::Zero();   ///< rad/s, of b relative to a at the start of the step
+  double h = 0.0;      ///< s, length of the last substep; 0 before the first
+  JointStart before;   ///< at the start of the step
+  bool broke = false;  ///< in this step
   JointDrive drive;
   /// Effective settings of each coordinate: friction as a motor at speed 0, and springs of a
   /// frequency with their stiffness and damping. Those of the drive have rest and target from
