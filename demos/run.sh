@@ -19,7 +19,7 @@
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-# What the page is built with is not needed without it.
+# The page's build packages are needed only for the page.
 packages=()
 for argument in "$@"; do
   [[ $argument != --view* && $argument != --*picture* ]] || packages=(--with-view)
@@ -47,7 +47,7 @@ run_plaza() {
   fi
   local folder server address
   folder=$(mktemp -d)
-  # Debian has it where no user looks.
+  # Debian installs it outside users' PATH.
   PATH=$PATH:/usr/sbin nats-server -a 127.0.0.1 -p -1 -js -sd "$folder" --ports_file_dir "$folder" \
     2>"$folder/log" &
   server=$!
@@ -64,7 +64,7 @@ run_plaza() {
   "$root/build/nats/bin/plaza" --server "$address" "$@"
 }
 
-# The page is built unless TANDEM_ROOM_PAGE names a folder or a release's archive that has it.
+# The page is built unless TANDEM_ROOM_PAGE names a folder or a release's archive.
 run_room_link() {
   local page=${TANDEM_ROOM_PAGE:-$root/build/web/room}
   if [[ -z ${TANDEM_ROOM_PAGE:-} ]]; then
@@ -100,7 +100,7 @@ draw() {
 
 case ${1:-} in
   -h | --help)
-    # The words above.
+    # Prints the header of this file.
     sed -n '5,/^set /{s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"
     echo "What a demo takes: demos/run.sh cubes --help"
     exit

@@ -18,7 +18,7 @@ namespace {
 
 std::string in_quotes(std::string_view text) { return '\'' + std::string(text) + '\''; }
 
-/// Letters to put in, take out or change.
+/// Levenshtein distance.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -47,7 +47,7 @@ std::string unknown(std::string_view kind, std::string_view name,
   const auto distance = [name](std::string_view other) { return edit_distance(name, other); };
   const auto nearest = std::min_element(known.begin(), known.end(),
                                         [&](auto a, auto b) { return distance(a) < distance(b); });
-  // A third of it mistyped is still meant; less is another word.
+  // Up to a third of the letters may be wrong; beyond that it is another word.
   if (nearest != known.end() && distance(*nearest) <= std::max<std::size_t>(1, name.size() / 3)) {
     return text + "; did you mean " + in_quotes(std::string(prefix).append(*nearest)) + '?';
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The command lines of all programs: demos, tools and benchmarks.
+// Command lines of all programs: demos, tools and benchmarks.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@
 
 namespace tandem::demos {
 
-/// A command line that cannot be understood; what() says what must be and what is.
+/// An invalid command line; what() names rule and value.
 class UsageError : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
@@ -24,9 +24,8 @@ class UsageError : public std::invalid_argument {
 
 /// @throws UsageError "<option> must be <rule>, is '<value>'"
 [[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view rule);
-/// "unknown <kind> '<name>'; did you mean '<the nearest that is known>'?"
-/// @param prefix  of the name, which what is known does not have   @param else_hint  where none is
-/// near
+/// "unknown <kind> '<name>'; did you mean '<the nearest known name>'?"
+/// @param prefix  of `name` but not of the known names   @param else_hint  if none is near
 std::string unknown(std::string_view kind, std::string_view name,
                     std::span<const std::string_view> known, std::string_view prefix = {},
                     std::string_view else_hint = "--help-all lists what there is");
@@ -35,17 +34,16 @@ template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high,
               std::string_view rule) {
   Number value{};
-  // Written so that NaN is refused as well.
+  // Written so that NaN is refused too.
   const bool good = pbd::detail::parse_number(text, value) && value >= low && value <= high;
   if (!good) refuse(option, text, rule);
   return value;
 }
 
-/// The items of a list with commas between them; an empty one has one item, which is empty.
+/// The items of a comma-separated list; an empty list has one empty item.
 std::vector<std::string_view> items_of(std::string_view list);
 
-/// An option that was given, and the value that belongs to it. Without a call of any of these it is
-/// a switch, which takes no value.
+/// An option that was given, and its value. An option whose value is not read is a switch.
 class Argument {
  public:
   Argument(std::string_view name, std::optional<std::string_view> inline_value,
@@ -54,7 +52,7 @@ class Argument {
 
   std::string_view name() const { return name_; }
   std::string_view value();
-  /// A value that may be left out: what follows is one where it is no option.
+  /// An optional value: the next word is the value unless it is an option.
   std::string_view value_or(std::string_view fallback);
   /// A value that is not empty.
   std::string text();
@@ -62,11 +60,11 @@ class Argument {
   Number number(Number low, Number high, std::string_view rule) {
     return demos::number(name_, value(), low, high, rule);
   }
-  /// Calls visit(key, value) for each item of "key=value,key"; value is empty where there is none.
-  /// @throws UsageError where a key is none of `known`
+  /// Calls visit(key, value) for each item of "key=value,key"; value may be empty.
+  /// @throws UsageError if a key is not in `known`
   void items(std::span<const std::string_view> known,
              const std::function<void(std::string_view key, std::string_view value)>& visit);
-  /// After the option was read. @throws UsageError where a switch was given a value
+  /// Call after reading the option. @throws UsageError if a switch was given a value
   void finish() const;
 
  private:
@@ -81,7 +79,7 @@ struct Option {
 };
 
 /// Reads a command line: "--name value" and "--name=value" are the same.
-/// @param word  takes what begins with no dash; without it such a word is refused
+/// @param word  takes words without a dash; without it they are refused
 /// @throws UsageError
 void read_arguments(std::span<const std::string_view> words, const std::vector<Option>& options,
                     const std::function<void(std::string_view)>& word = nullptr);
@@ -90,17 +88,16 @@ void read_arguments(std::span<const std::string_view> words, const std::vector<O
 std::string program_name(const char* path);
 
 /// The main() of a program. Answers --help, -h, --help-all and --version. Returns the exit code:
-/// that of `run`; 2 for a command line that cannot be understood, 1 for any other exception; both
-/// are told.
+/// that of `run`; 2 for an invalid command line, 1 for any other exception. Both print the error.
 /// @param run  takes the words after the program's name
-/// @param usage_of_all  for --help-all; empty = there is no more than `usage`
+/// @param usage_of_all  for --help-all; empty = same as `usage`
 int program_main(int argc, char** argv, std::string_view usage,
                  const std::function<int(std::span<const std::string_view> words)>& run,
                  std::string_view usage_of_all = {});
 
-/// Before a long run, whether its results can be written. @throws UsageError
+/// Checks before a long run that results can be written. @throws UsageError
 void require_writable_file(std::string_view option, const std::string& path);
-/// The same for a folder, which is made where it is missing.
+/// The same check for a folder, which is created if missing.
 void require_writable_folder(std::string_view option, const std::string& path);
 
 }  // namespace tandem::demos

@@ -7,11 +7,11 @@
 
 namespace tandem::demos {
 
-/// Whether somebody reads along who understands cursor movements and colours. A console of Windows
-/// is told to, and to take UTF-8.
+/// True if the file is a terminal that understands cursor movements and colours. Switches a Windows
+/// console to both and to UTF-8.
 bool is_terminal(std::FILE* file);
 
-/// Width of the terminal that shows standard error; 80 where none is known.
+/// Width of the terminal on standard error; 80 if unknown.
 std::size_t terminal_columns();
 
 }  // namespace tandem::demos

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Another engine as a full peer of a session. The scene's world is a view of Bullet's: what peers
-// agree upon moves the view, the view moves Bullet before its step and follows it afterwards. So
-// nothing of the consensus is written twice, and a peer is not asked what engine it has.
+// Another engine as a full peer of a session. The scene's world mirrors Bullet's: agreement moves
+// the mirror, changes of the mirror are applied to Bullet before its step, and the mirror follows
+// the result. So consensus needs no second implementation, and peers need not know each other's
+// engine.
 #include "bullet/bullet_scene.h"
 #include "bullet/springs.h"
 #include "demos/engine/engine.h"
@@ -54,7 +55,7 @@ class BulletPhysics final : public Physics {
  private:
   int index(std::size_t body) const { return plain_.index[body]; }
 
-  /// What was done to the view since the last step is done to the engine: poses without a word to
+  /// Applies to the engine all changes of the mirror since the last step: poses without changing
   /// the velocity, velocities as they are.
   void push(const Scene& scene, std::size_t i, double dt) {
     const pbd::BodyId id = scene.bodies[i].body;
@@ -73,7 +74,7 @@ class BulletPhysics final : public Physics {
     const pbd::BodyId id = scene.bodies[i].body;
     pbd::BodyState state = engine_->state(index(i));
     const pbd::AxisLocks& locks = scene.world->props(id).locks;
-    // What is held up stays where the view has it.
+    // Bodies locked in place stay where the mirror has them.
     const bool held_up = locks.linear[0] && locks.linear[1] && locks.linear[2];
     if (held_up || !finite(state)) {
       if (!held_up) report_.status = pbd::StepStatus::NonFinite;
@@ -106,8 +107,8 @@ class BulletPhysics final : public Physics {
 
   PlainScene plain_;
   std::unique_ptr<bench::Engine> engine_;
-  std::vector<pbd::BodyState> seen_;    ///< of the view after the last step, by shared body
-  std::vector<pbd::BodyState> pushed_;  ///< what the engine was given
+  std::vector<pbd::BodyState> seen_;    ///< of the mirror after the last step, by shared body
+  std::vector<pbd::BodyState> pushed_;  ///< given to the engine
   std::vector<SpringPulls> pulls_;
   pbd::StepReport report_;
   std::vector<std::pair<std::size_t, std::size_t>> touching_;

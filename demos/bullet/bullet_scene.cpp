@@ -16,7 +16,7 @@ namespace {
   pbd::detail::refuse("plain scene: " + name, rule);
 }
 
-/// m, half of the box that stands for a half-space.
+/// m, half extents of the box that replaces a half-space.
 const pbd::Vec3 kGround(50.0, 50.0, 5.0);
 
 bench::SceneShape plain_shape(const collision::Shape& shape, const std::string& name) {
@@ -50,7 +50,7 @@ bench::SceneBody plain_body(const pbd::World& world, const collision::ColliderDe
     body.pose = {pose.to_world(collider.local.position),
                  pose.orientation * collider.local.orientation};
     if (const auto* plane = std::get_if<collision::HalfSpace>(&collider.shape)) {
-      // Bullet finds one point of a box on a plane in a step, and small ones tip over on it before
+      // Bullet finds one contact point of a box on a plane per step, so small boxes tip over before
       // there are three; on a box it finds all.
       const pbd::Pose down{(plane->offset - kGround.z()) * plane->normal,
                            pbd::Quat::FromTwoVectors(pbd::Vec3::UnitZ(), plane->normal)};

@@ -11,7 +11,7 @@ using pbd::Vec3;
 
 /// Sweeps over the springs of a body.
 constexpr int kSweeps = 8;
-/// Of the last step's accelerations: a blow is none of the next step's.
+/// Weight of the last step's acceleration: an impact does not repeat in the next step.
 constexpr double kLearning = 0.3;
 
 Mat3 cross_matrix(const Vec3& v) {
@@ -26,7 +26,7 @@ void SpringPulls::pull(std::span<const pbd::Tether::Def> springs, const pbd::Bod
                        double dt, pbd::BodyState& state) {
   const Mat3 turn = state.pose.orientation.toRotationMatrix();
   const Mat3 inverse_inertia = turn * props.inverse_inertia * turn.transpose();
-  // At the end of the step.
+  // Velocity at the end of the step without springs.
   pbd::Twist end{state.twist.linear + dt * others_.linear,
                  state.twist.angular + dt * others_.angular};
   const auto push = [&](const Vec3& r, const Vec3& impulse) {
@@ -42,8 +42,8 @@ void SpringPulls::pull(std::span<const pbd::Tether::Def> springs, const pbd::Bod
       const pbd::Tether::Def& spring = springs[i];
       const Vec3 r = turn * spring.anchor_l;
       push(r, -impulses_[i]);
-      // f = k (e + dt (u - v)) + c (u - v), u the anchor's velocity, v = v0 + dt W f the point's,
-      // W its mobility: (1 + (k dt + c) dt W) f = k e + (k dt + c) (u - v0).
+      // f = k (e + dt (u - v)) + c (u - v) with the anchor's velocity u and the point's v = v0 + dt
+      // W f, W its mobility: (1 + (k dt + c) dt W) f = k e + (k dt + c) (u - v0).
       const Mat3 arm = cross_matrix(r);
       const Mat3 mobility = props.inverse_mass * Mat3::Identity() - arm * inverse_inertia * arm;
       const Vec3 stretch = spring.anchor_w - (state.pose.position + r);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 
-// A thousand balls, held in the air, then let go over a cliff of triangles.
+// A thousand balls are released over a cliff of triangles.
 
 #include "program/demo_main.h"
 #include "scenes/cliff.h"

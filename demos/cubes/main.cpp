@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 
-// Two users at two peers throw stacked cubes over and carry them on their plate together.
+// Two users at two peers knock over stacked cubes and carry them together on their plate.
 
 #include "program/demo_main.h"
 #include "scenes/cubes.h"

@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Bullet with its defaults (10 iterations, ERP 0.2, warm start 0.85, split impulse, Dbvt, the box
-// shape's own margin), but never asleep unless asked and without damping, as all engines here.
-// Compiled for single or double precision as BT_USE_DOUBLE_PRECISION says.
+// shape's own margin), but like all engines here undamped, and never asleep unless asked.
+// BT_USE_DOUBLE_PRECISION selects single or double precision.
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -147,7 +147,7 @@ class BulletEngine final : public Engine {
         dynamic ? static_cast<btScalar>(body.mass) : btScalar(0), nullptr, make_shape(body.shape),
         dynamic ? bt(body.inertia) : btVector3(0, 0, 0));
     info.m_startWorldTransform = bt(body.pose);
-    // Of a pair Bullet takes the product.
+    // Bullet multiplies the friction of a pair.
     info.m_friction = static_cast<btScalar>(std::sqrt(body.friction));
     info.m_restitution = static_cast<btScalar>(std::sqrt(body.restitution));
     bodies_.push_back(std::make_unique<btRigidBody>(info));
@@ -230,7 +230,7 @@ class BulletEngine final : public Engine {
     return btTransform(turn, bt(joint.anchor_b_l));
   }
 
-  /// A spring to the world along x, which is all that the scenes ask for.
+  /// A spring to the world along x; the scenes need no other.
   std::unique_ptr<btTypedConstraint> spring(const SceneJoint& joint) {
     if (joint.compliance <= 0.0) throw std::invalid_argument("bullet: no rod");
     btRigidBody& b = *bodies_[static_cast<std::size_t>(joint.b)];
@@ -241,7 +241,7 @@ class BulletEngine final : public Engine {
     made->enableSpring(0, true);
     made->setStiffness(0, static_cast<btScalar>(1.0 / joint.compliance));
     made->setDamping(0, static_cast<btScalar>(joint.damping));
-    // Measured from where the body is made to stand now.
+    // Measured from the body's present position.
     const double now = b.getWorldTransform().getOrigin().x() - joint.anchor_a_l.x();
     made->setEquilibriumPoint(0, static_cast<btScalar>(joint.rest_length - now));
     return made;

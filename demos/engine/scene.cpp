@@ -27,7 +27,7 @@ struct Inertia {
     const double ball = 4.0 / 3.0 * std::numbers::pi * r * r * r;
     const double mc = mass * cylinder / (cylinder + ball);
     const double mb = mass - mc;
-    // The caps: a ball cut in two, each half 3/8 r + l/2 from the middle.
+    // The caps: two half balls, each with its centre of mass 3/8 r + l/2 from the middle.
     const double across =
         mc * (r * r / 4.0 + l * l / 12.0) + mb * (0.4 * r * r + l * l / 4.0 + 3.0 / 8.0 * l * r);
     return {across, across, mc * r * r / 2.0 + mb * 0.4 * r * r};

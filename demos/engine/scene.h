@@ -15,7 +15,7 @@
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/types.h"
 
-/// Scenes as plain data, without a word of any engine, so that each engine is given the same.
+/// Scenes as plain data, independent of the engine, so that each engine is given the same scene.
 namespace tandem::bench {
 
 using pbd::BodyType;
@@ -35,7 +35,7 @@ struct CapsuleShape {
   double radius = 0.25;      ///< m
   double half_height = 0.5;  ///< m
 };
-/// Round about z.
+/// Its axis is z.
 struct CylinderShape {
   double radius = 0.5;       ///< m
   double half_height = 0.5;  ///< m
@@ -53,7 +53,7 @@ struct MeshData {
 using MeshShape = std::shared_ptr<const MeshData>;
 /// Corners of a convex solid, m; its centre of mass is at the origin.
 using HullShape = std::shared_ptr<const std::vector<Vec3>>;
-/// No shape: the body touches nothing.
+/// No shape: no contacts.
 struct NoShape {};
 
 using SceneShape = std::variant<NoShape, BoxShape, SphereShape, CapsuleShape, CylinderShape,
@@ -66,10 +66,10 @@ struct SceneBody {
   Twist twist;
   double mass = 1.0;            ///< kg
   Vec3 inertia = Vec3::Zero();  ///< kg m^2, principal, along the axes of the body frame
-  double friction = 0.5;        ///< of a pair: that of both where they are equal
-  double restitution = 0.0;     ///< of a pair: the larger one
-  bool collides = true;         ///< false: has a size, touches nothing
-  bool limb = false;  ///< of a ragdoll, for engines whose ragdolls rest at a speed of their own
+  double friction = 0.5;        ///< a pair of equal bodies has the same value
+  double restitution = 0.0;     ///< a pair has the larger value
+  bool collides = true;         ///< false: has a size but no contacts
+  bool limb = false;  ///< of a ragdoll, for engines with special sleep thresholds for ragdolls
 };
 
 enum class JointKind {
@@ -79,7 +79,7 @@ enum class JointKind {
   Slider,    ///< moves along `axis`, does not turn
 };
 
-/// Anchors and axis coincide at the start, but for the distance joint.
+/// Anchors and axis coincide at the start, except for the distance joint.
 struct SceneJoint {
   JointKind kind = JointKind::Ball;
   int a = -1;                      ///< index into the bodies, -1 = the world
@@ -89,17 +89,17 @@ struct SceneJoint {
   double compliance = 0.0;         ///< m/N; ball and distance
   double damping = 0.0;            ///< N s/m; ball and distance
   double rest_length = 0.0;        ///< m; distance
-  /// World, as the bodies stand at the start; of hinge, slider, and twist of a ball.
+  /// World, at the start pose; hinge, slider, and twist of a ball.
   Vec3 axis_w = Vec3::UnitX();
   bool limited = false;  ///< hinge and twist: to [lower, upper], 0 at the start
   double lower = 0.0;    ///< rad
   double upper = 0.0;    ///< rad
   bool driven = false;   ///< hinge: at the speed
   double speed = 0.0;    ///< rad/s
-  double max_torque = std::numeric_limits<double>::infinity();  ///< N m, of what drives it
+  double max_torque = std::numeric_limits<double>::infinity();  ///< N m, of the drive
   double cone = std::numeric_limits<double>::infinity();  ///< rad, ball: largest swing of the axis
   double friction = 0.0;                                  ///< N m, ball and hinge: dry
-  bool touch = true;                                      ///< whether its bodies touch each other
+  bool touch = true;                                      ///< its bodies collide with each other
 };
 
 struct Scene {
@@ -109,22 +109,22 @@ struct Scene {
   double seconds = 10.0;
   std::vector<SceneBody> bodies;
   std::vector<SceneJoint> joints;
-  std::vector<std::pair<int, int>> apart;  ///< pass through each other, besides those on joints
+  std::vector<std::pair<int, int>> apart;  ///< pairs without contacts, besides those on joints
 
   /// Adds a body of the shape with its analytic inertia; returns its index.
   int add(const SceneShape& shape, double mass, const Pose& pose);
   int add_static(const SceneShape& shape, const Pose& pose = {});
-  /// A joint at the world point `anchor_w` as the bodies stand now.
+  /// Adds a joint at the world point `anchor_w` with the bodies as placed now.
   SceneJoint& add_joint(JointKind kind, int a, int b, const Vec3& anchor_w);
   void add_ball(int a, int b, const Vec3& anchor_w) { add_joint(JointKind::Ball, a, b, anchor_w); }
   int frames() const;
-  /// No joint has a cone, limits of twist, friction or a bound on what drives it, and no bodies are
-  /// kept apart.
+  /// True if no joint has a cone, limits of twist, friction or a bounded drive, and no pair is in
+  /// `apart`.
   bool has_simple_joints() const;
 };
 
-/// Principal moments (kg m^2) of the homogeneous shape of this mass; of a ball of 1 m for NoShape;
-/// zero for planes, meshes and hulls.
+/// Principal moments (kg m^2) of the homogeneous shape of this mass; those of a ball of radius 1 m
+/// for NoShape; zero for planes, meshes and hulls.
 Vec3 principal_inertia(const SceneShape& shape, double mass);
 
 /// The seven scenes of the comparison between engines. cliff: 1000 balls over a step of 8192
@@ -133,13 +133,13 @@ Vec3 principal_inertia(const SceneShape& shape, double mass);
 /// as heavy as the one below; pyramid: 120 cubes.
 inline constexpr std::array<std::string_view, 7> kPeerScenes{"cliff", "stacks", "katamari", "chain",
                                                              "heap",  "ratio",  "pyramid"};
-/// Two scenes of Box3D's benchmarks: a pyramid of 100 rows of cubes, and 196 pyramids of ten rows.
+/// Two of Box3D's benchmark scenes: a pyramid of 100 rows of cubes, and 196 pyramids of ten rows.
 inline constexpr std::array<std::string_view, 2> kLargeScenes{"large_pyramid", "many_pyramids"};
 
-/// @throws std::invalid_argument where there is no scene of that name
+/// @throws std::invalid_argument if no scene has that name
 Scene peer_scene(std::string_view name);
 
-/// Height (m) of the cliff scene's surface, as the formula has it.
+/// Height (m) of the cliff scene's surface, by formula.
 double cliff_height(double x, double y);
 
 }  // namespace tandem::bench

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A world, a body, a solver. A ball falls for a second, beside the formula.
+// A world, a body, a solver. A ball falls for a second; the result is compared with the formula.
 #include <cmath>
 #include <cstdio>
 
@@ -26,7 +26,8 @@ int main() {
   std::printf("after %.3f s: fallen %.4f m (formula %.4f), speed %.4f m/s (formula %.4f)\n", t,
               fallen, 0.5 * 9.81 * t * t, speed, 9.81 * t);
 
-  // Speed is exact. The way is ahead by at most g t h / 2, h the substep of a quarter of a step.
+  // The speed is exact. The distance is ahead by at most g t h / 2; the substep h is a quarter of a
+  // step.
   const double ahead = fallen - 0.5 * 9.81 * t * t;
   const double most = 0.5 * 9.81 * t * 0.25 * kStep;
   return std::abs(speed - 9.81 * t) < 1e-9 && std::abs(ahead) < 1.001 * most ? 0 : 1;

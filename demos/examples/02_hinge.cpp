@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A joint. A rod hangs on a hinge and swings; its period is that of a physical pendulum.
+// A joint. A rod swings on a hinge; its period is that of a physical pendulum.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -17,7 +17,7 @@ int main() {
   constexpr double kAngle = 0.2;                           // rad, at the start
   const double across = kMass * kLength * kLength / 12.0;  // kg m^2, about the middle
 
-  // The hinge is at the origin, its axis along y; the rod hangs a little aside.
+  // The hinge is at the origin with its axis along y; the rod starts at kAngle.
   World world;
   const Quat turned(Eigen::AngleAxisd(kAngle, Vec3::UnitY()));
   const BodyId rod = world.add_body(
@@ -25,12 +25,12 @@ int main() {
        .mass = kMass,
        .inertia = Vec3(across, across, 1e-3 * across).asDiagonal()});
   auto& joints = world.add_block<JointBlock>();
-  // A body id of its default stands for the world.
+  // A default-constructed body id stands for the world.
   joints.add(world, hinge_joint_at(world, {}, rod, Vec3::Zero(), Vec3::UnitY()));
 
   Solver solver;
   constexpr double kStep = 1.0 / 60.0;  // s
-  double first = 0.0;                   // s, of the first time it passes the middle
+  double first = 0.0;                   // s, first pass through the middle
   double last = 0.0;
   int passes = 0;
   for (double before = world.pose(rod).position.x(); world.time() < 20.0;) {
@@ -44,7 +44,7 @@ int main() {
     before = x;
   }
 
-  // T = 2 pi sqrt(I / (m g l)) for small angles, longer by angle^2 / 16 for larger ones.
+  // T = 2 pi sqrt(I / (m g l)) for small angles, plus angle^2 / 16 of it for larger ones.
   const double measured = 2.0 * (last - first) / (passes - 1);
   const double inertia = across + kMass * 0.25 * kLength * kLength;
   const double small = 2.0 * std::numbers::pi * std::sqrt(inertia / (kMass * 9.81 * 0.5 * kLength));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Shapes, and a listener of your own: what begins to touch, what ends, how hard it hits. A ball of
-// restitution 0.5 falls on the ground; each hit is half as fast as the one before.
+// Shapes, and a contact listener: begin, end and speed of each impact. A ball with restitution 0.5
+// falls on the ground; each impact has half the speed of the one before.
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -11,7 +11,7 @@
 
 using namespace tandem;
 
-/// What a game would play sounds by.
+/// A game would play sounds here.
 class Listener {
  public:
   void on_begin(const collision::ContactPair& /*pair*/) { ++begun; }
@@ -29,7 +29,7 @@ class Listener {
 int main() {
   constexpr double kHeight = 2.0;       // m, from the ball's lowest point
   constexpr double kRadius = 0.1;       // m
-  constexpr double kRestitution = 0.5;  // of the pair: the larger one of both
+  constexpr double kRestitution = 0.5;  // a pair has the larger value
 
   Scene scene({.events = {.hit_speed = 0.5}});
   scene.add(HalfSpace{}, {.type = BodyType::Static});
@@ -47,7 +47,7 @@ int main() {
     for (const auto& hit : events.hits()) listener.on_hit(hit, scene.world().time());
   }
 
-  // sqrt(2 g h) at first, then half of the one before; in the end it lies there.
+  // sqrt(2 g h) at first, then half of the one before; finally the ball rests.
   const std::vector<double>& speeds = listener.speeds;
   bool holds = speeds.size() >= 3 && listener.begun == listener.ended + 1;
   double expected = std::sqrt(2.0 * 9.81 * kHeight);

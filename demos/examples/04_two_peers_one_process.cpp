@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Sharing. Two worlds, two peers, and a network between them in virtual time: 50 ms one way. Their
-// copies of one cube begin 40 cm apart and become one, while the user of the first peer drags it.
+// Sharing. Two worlds, two peers, and a network in virtual time with 50 ms latency one way. Their
+// copies of one cube start 40 cm apart and become one while the first peer's user drags it.
 #include <cstdint>
 #include <cstdio>
 
@@ -12,14 +12,14 @@
 
 using namespace tandem;
 
-/// One participant: what a program of its own would be.
+/// One participant, in practice a program of its own.
 struct Site {
   Site(consensus::Transport& transport, const pbd::Vec3& position)
       : peer(world, transport),
         body(world.add_body({.pose = {.position = position}, .linear_damping = 1.0})) {
     peer.share({.id = consensus::SharedId::from_name("cube"), .body = body});
   }
-  /// Takes in what has come, and steps.
+  /// Receives, then steps.
   void step(consensus::SessionTime now, consensus::SessionTime length) {
     peer.before_step(now);
     solver.step(world, 1e-9 * static_cast<double>(length));
@@ -36,7 +36,7 @@ int main() {
   constexpr consensus::SessionTime kStep = 16'666'667;  // ns
   consensus::SessionTime now = 1'000'000'000;
   consensus::VirtualNetwork network({.latency = 0.05, .jitter = 0.005}, 1, now);
-  // Both join before either speaks.
+  // Both join before either sends.
   consensus::Transport& first = network.transport(1);
   consensus::Transport& second = network.transport(2);
   Site one(first, pbd::Vec3(0.0, 0.0, 0.0));
@@ -56,11 +56,11 @@ int main() {
     two.step(now, kStep);
     now += kStep;
     network.advance_to(now);
-    one.peer.after_step(now);  // sends where the body has come to
+    one.peer.after_step(now);  // sends the body's new state
     two.peer.after_step(now);
   }
 
-  // Both simulate the spring of the first one's user, and both end where it pulls.
+  // Both simulate the first user's spring, so both end at its hand.
   const double apart = (one.position() - two.position()).norm();
   const double missed = (two.position() - hand).norm();
   std::printf("apart by %.2g m, at the second peer %.2g m from the first one's hand\n", apart,

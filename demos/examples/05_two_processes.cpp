@@ -4,7 +4,7 @@
 // Two processes over TCP, in two terminals:
 //   05_two_processes listen 7777
 //   05_two_processes connect localhost:7777
-// The second one begins with its cube half a metre off; each ends once both copies are one.
+// The second one starts with its cube half a metre off; each ends once both copies are one.
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -15,7 +15,7 @@
 
 using namespace tandem;
 
-/// How far the other's copy is, where it was heard; asked at each step.
+/// Distance between both copies, whenever the other was heard; read at each step.
 class Watch final : public consensus::PeerObserver {
  public:
   explicit Watch(const pbd::World& world, pbd::BodyId body) : world_(world), body_(body) {}
@@ -27,7 +27,7 @@ class Watch final : public consensus::PeerObserver {
   }
   /// s, for which both copies have been within a millimetre.
   double together() const { return net::seconds(last - close_since); }
-  /// Long enough, or the other one has gone.
+  /// True if they stayed together long enough, or the other peer has gone.
   bool over(consensus::SessionTime now) const {
     return together() >= 3.0 || (heard > 0 && net::seconds(now - last) > 1.0);
   }
@@ -51,7 +51,7 @@ int run(bool listens, const std::string& where) {
   if (listens) std::printf("port %d\n", static_cast<int>(transport.local_port()));
   std::fflush(stdout);
 
-  // No shapes: a world and a solver are all that is stepped.
+  // Without shapes a world and a solver are enough.
   pbd::World world({.gravity = pbd::Vec3::Zero()});
   pbd::Solver solver;
   const pbd::BodyId body = world.add_body(
@@ -62,7 +62,7 @@ int run(bool listens, const std::string& where) {
   session.peer().set_observer(&watch);
 
   const SessionTime start = session.now();
-  session.run([&](SessionTime now) {  // Ctrl-C leaves in order
+  session.run([&](SessionTime now) {  // Ctrl-C leaves the session in order
     if (watch.over(now) || net::seconds(now - start) > 30.0) session.stop();
   });
   std::printf("heard %d times, together for %.1f s, at x = %.3f m\n", watch.heard, watch.together(),

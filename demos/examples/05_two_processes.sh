@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Two processes of the example, on a free port: 0 where both found the other's cube.
+# Runs both processes of the example on a free port; returns 0 if both found the other's cube.
 set -eu
 program=$1
 folder=$(mktemp -d)

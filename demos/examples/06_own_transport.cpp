@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A transport of your own: here a queue with a fixed delay, with you Steam's, WebRTC's or a game
-// server's. It carries bytes, may lose states, never waits, and tells who is there.
+// A custom transport: here a queue with a fixed delay, in practice Steam, WebRTC or a game server.
+// It carries bytes, may lose states, never blocks, and knows who is connected.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -16,8 +16,8 @@
 
 using namespace tandem;
 
-/// Two peers, 1 and 2; what one posts the other drains three steps later. One state of five is
-/// lost, reliable packets never are.
+/// Two peers, 1 and 2. A packet arrives three steps after posting. One state in five is lost,
+/// reliable packets never are.
 class Mailbox final : public consensus::Transport {
  public:
   Mailbox(consensus::PeerId self, Mailbox* other) : self_(self), other_(other) {
@@ -30,7 +30,7 @@ class Mailbox final : public consensus::Transport {
             consensus::Delivery delivery) override {
     if (to == self_ || dropped_) return false;
     ++posted;
-    if (delivery == consensus::Delivery::Newest && posted % 5 == 0) return true;  // lost on the way
+    if (delivery == consensus::Delivery::Newest && posted % 5 == 0) return true;  // lost
     other_->waiting_.push_back({time_ + 3, {self_, {bytes.begin(), bytes.end()}}});
     return true;
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A predictor of your own: it carries what others said to now. A ball that flies through the air of
-// a vacuum is carried along its parabola, which Euler's prediction misses by g age^2 / 2.
+// A custom predictor carries received states forward to the present. A ball in free flight follows
+// its parabola, which Euler's prediction misses by g age^2 / 2.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -16,8 +16,8 @@ using namespace tandem;
 
 constexpr double kLatency = 0.1;  // s, one way
 
-/// Position, turn and speed, each by its formula. What a predictor says is told against the newest
-/// state of the own copy; one object serves all bodies, so it keeps nothing.
+/// Position, orientation and velocity by formula. Predictions are relative to the newest state of
+/// the own copy. One object serves all bodies, so it keeps no state.
 class Parabola final : public consensus::Predictor {
  public:
   consensus::Prediction predict(const consensus::StateUpdate& update,
@@ -36,7 +36,7 @@ class Parabola final : public consensus::Predictor {
   }
 };
 
-/// The largest distance from where the predictor has the ball to where its owner has it.
+/// The largest distance between the predicted ball and its owner's.
 class Judge final : public consensus::PeerObserver {
  public:
   Judge(const pbd::World& world, pbd::BodyId ball) : world_(world), ball_(ball) {}
@@ -52,7 +52,7 @@ class Judge final : public consensus::PeerObserver {
   pbd::BodyId ball_;
 };
 
-/// A ball of peer 1 flies for a second; how it comes out at peer 2.
+/// Peer 1's ball flies for a second; returns its errors at peer 2.
 Judge fly(const consensus::PeerOptions& options) {
   constexpr consensus::SessionTime kStep = 16'666'667;  // ns
   consensus::SessionTime now = 1'000'000'000;
@@ -69,7 +69,7 @@ Judge fly(const consensus::PeerOptions& options) {
   Judge judge(worlds[0], balls[0]);
   peers[1].set_observer(&judge);
   for (int i = 0; i < 60; ++i) {
-    for (int k = 1; k >= 0; --k) {  // the second one looks before the first one has moved on
+    for (int k = 1; k >= 0; --k) {  // the second one receives before the first one moves on
       peers[k].before_step(now);
       solver.step(worlds[k], 1e-9 * static_cast<double>(kStep));
     }
@@ -86,7 +86,7 @@ int main() {
   const double formula = 0.5 * 9.81 * euler.oldest * euler.oldest;
   std::printf("states up to %.1f ms old: Euler misses by %.4f m (g age^2 / 2 = %.4f), own %.2g m\n",
               1e3 * euler.oldest, euler.worst, formula, own.worst);
-  // The solver's substeps let a parabola begin a quarter of a step early: g age h / 8 at most.
+  // The solver's substeps start a parabola up to a quarter of a step early: at most g age h / 8.
   const double early = 9.81 * euler.oldest / 60.0 / 8.0;
   return std::abs(euler.worst - formula) < 1.01 * early && own.worst < 1.01 * early ? 0 : 1;
 }

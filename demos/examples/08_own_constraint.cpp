@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A constraint of your own, solved in the pass with all others: a hinge with a spring and a damper.
-// A rod on it swings as the formula of a damped oscillator says. docs/constraint.md explains it.
+// A custom constraint, solved in one pass with all others: a hinge with a spring and a damper. A
+// rod on it swings as a damped oscillator does by formula. docs/constraint.md explains it.
 #include <cmath>
 #include <cstdio>
 
@@ -11,15 +11,15 @@
 #include "tandem/pbd/typed_block.h"
 
 using namespace tandem::pbd;
-/// Holds a body to a place of the world, as a hinge along z with a spring and a damper in it.
-/// C = (p - anchor, rotation vector) [m, rad]; all rows but the angle about z are rigid.
+/// Attaches a body to a point of the world by a hinge along z with a spring and a damper. C = (p -
+/// anchor, rotation vector) [m, rad]; all rows but the angle about z are rigid.
 class SpringHinge {
  public:
   static constexpr std::string_view kName = "spring_hinge";
   static constexpr int kOrder = static_cast<int>(SolveOrder::Joint) + 1;
   struct Def {
     BodyId body;
-    Vec3 anchor_l = Vec3::Zero();           // m, frame of the body; goes to the world's origin
+    Vec3 anchor_l = Vec3::Zero();  // m, frame of the body; coincides with the world's origin
     double stiffness = 0.0, damping = 0.0;  // N m/rad, N m s/rad
   };
   static void check(const World& world, const Def& def) {
@@ -31,14 +31,14 @@ class SpringHinge {
   Def& def() { return def_; }
   BodyId body_a() const { return {}; }  // the world
   BodyId body_b() const { return def_.body; }
-  bool force_driven() const { return true; }  // so it rests only where its speed does not change
+  bool force_driven() const { return true; }  // at rest only while its speed does not change
   double residual() const { return residual_; }
   double displacement_residual() const { return 0.0; }
   void begin_substep(const SubstepContext& ctx) {
     start_ = log_map(ctx.bodies[def_.body.index].q).z();
     lambda_ = 0.0;
   }
-  /// One step of Newton's method on all six rows at once. Returns how far the anchor was off.
+  /// One Newton step on all six rows at once. Returns the anchor's error.
   double project(const SubstepContext& ctx) {
     SolverBody& body = ctx.bodies[def_.body.index];
     const Vec3 r = body.q * def_.anchor_l;

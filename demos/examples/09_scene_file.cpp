@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A scene from a file: a door on a hinge, and a ball that rolls against it. What a file has and
-// Tandem has not is told; what is written again moves by the same bits.
+// A scene from a file: a door on a hinge, and a ball that rolls against it. Loading reports parts
+// that Tandem does not support; a saved scene moves bit for bit like the original.
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -11,7 +11,7 @@
 
 using namespace tandem;
 
-// As in a file, which load_scene(path) reads.
+// Contents of a file; load_scene(path) reads one.
 const char* const kText = R"({
   "gravity": [0, 0, -9.81],
   "bodies": [

@@ -95,7 +95,7 @@ double news_age(const PeerRecord& listener, const PeerRecord& sender) {
     sum += p.age;
     ++count;
   }
-  // What a peer in another process makes of the news is not seen: the way back is about as long.
+  // A remote listener's use of updates is not observed: the way back takes about as long.
   if (count == 0 && !listener.local && sender.local) return news_age(sender, listener);
   const double step = listener.step_hz > 0.0 ? 1.0 / listener.step_hz : 0.0;
   return step + (count > 0 ? sum / static_cast<double>(count) : 0.0);

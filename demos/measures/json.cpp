@@ -11,7 +11,7 @@ namespace tandem::demos {
 
 namespace {
 
-/// Length of the UTF-8 sequence at the start of `text`, 0 where there is none.
+/// Length of the UTF-8 sequence at the start of `text`, 0 if invalid.
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);

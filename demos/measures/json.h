@@ -10,8 +10,8 @@
 
 namespace tandem::demos {
 
-/// Writes one JSON text (RFC 8259), indented. Numbers keep every bit; what is not finite becomes
-/// null. Keys must be given in objects and only there: that is asserted, not checked.
+/// Writes one JSON text (RFC 8259), indented. Numbers keep every bit; non-finite ones become null.
+/// Keys belong in objects and only there: asserted, not checked.
 class JsonWriter {
  public:
   JsonWriter& begin_object() { return open('{'); }
@@ -40,7 +40,7 @@ class JsonWriter {
     return null();
   }
 
-  /// The text so far, complete once all is closed.
+  /// The text so far, complete once all brackets are closed.
   const std::string& text() const { return text_; }
 
  private:
@@ -51,12 +51,11 @@ class JsonWriter {
   void new_line();
 
   std::string text_;
-  std::vector<bool> filled_;  ///< of each open bracket, from outside: something is in it
+  std::vector<bool> filled_;  ///< of each open bracket, outermost first: true if not empty
   bool after_key_ = false;
 };
 
-/// The text in double quotes, with everything escaped that must be. Bytes that are not UTF-8 are
-/// replaced by U+FFFD.
+/// The text in double quotes, escaped. Invalid UTF-8 becomes U+FFFD.
 std::string json_string(std::string_view text);
 
 }  // namespace tandem::demos

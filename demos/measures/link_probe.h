@@ -9,10 +9,10 @@
 
 namespace tandem::demos {
 
-/// ms: how long each packet of a link in virtual time is under way, without waiting for anybody's
-/// step; to 0.1 ms. What is lost is left out.
-/// @param rate     packets each second, > 0     @param seconds  how long they are sent
-/// @throws std::invalid_argument where the options are not valid
+/// Transit time of each packet of a link in virtual time, ms, to 0.1 ms, without the wait for a
+/// step. Lost packets are left out.
+/// @param rate     packets per second, > 0     @param seconds  of sending
+/// @throws std::invalid_argument if the options are not valid
 std::vector<double> link_latencies(const consensus::LinkOptions& link, double rate, double seconds,
                                    std::uint64_t seed);
 

@@ -88,7 +88,7 @@ Measures measure(const RunResult& run, const Metrics& metrics, const DemoOptions
     for (const PredictionSample& p : peer.predictions) ages.push_back(1e3 * p.age);
   }
   if (!ages.empty()) mean_age = 1e-3 * metrics.latency_ms.mean;
-  // What a step makes of the news is seen at its end.
+  // The effect of an update on a step shows at its end.
   double step = 0.0;
   for (const PeerRecord& peer : run.peers) {
     if (peer.step_hz > 0.0) step = std::max(step, 1.0 / peer.step_hz);

@@ -16,19 +16,17 @@
 
 namespace tandem::demos {
 
-/// How many numbers fall into each of equal bins from `low` on; what is outside counts in the first
-/// or the last one.
+/// Counts in equal bins from `low` on; values outside count in the first or last bin.
 std::vector<std::uint64_t> histogram(const std::vector<double>& values, double low, double width,
                                      std::size_t bins);
 
-/// What an evaluation asks for beyond Metrics.
 struct Measures {
   static constexpr double kAgreed = 5e-3;  ///< m, bodies nearer than this agree
 
   Smoothness smooth;
   AfterBlows hits;
   Distribution link_ms;                                          ///< virtual links only
-  std::vector<std::uint64_t> link_histogram, latency_histogram;  ///< each ms, from 0
+  std::vector<std::uint64_t> link_histogram, latency_histogram;  ///< 1 ms bins from 0
   Distribution contact_disagreement;
   double contact_disagreement_end = Distribution::kNone;
   double agree_s = Distribution::kNone;  ///< see time_to_agree
@@ -36,18 +34,18 @@ struct Measures {
   Distribution limit_of_all_m;
   Stretch stretch;
 
-  /// The same inputs at one peer, where they were run.
+  /// The same inputs at one peer, if run.
   std::optional<Smoothness> reference;
   Outcome reference_outcome;
   Stretch reference_stretch;
   Distribution residual_m;  ///< see high_pass_residual
 };
 
-/// @param reference  null: nobody ran the inputs again
+/// @param reference  null: the inputs were not run again
 Measures measure(const RunResult& run, const Metrics& metrics, const DemoOptions& options,
                  const RunResult* reference);
 
-/// As fields of the object that is open.
+/// Writes fields of the open object.
 void write_classes(JsonWriter& json, const Metrics& metrics);
 void write_measures(JsonWriter& json, const Measures& measures);
 

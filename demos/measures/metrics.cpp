@@ -28,7 +28,7 @@ const PeerRecord* find_peer(std::span<const PeerRecord> peers, consensus::PeerId
   return nullptr;
 }
 
-/// The instances of one body at one time, one for each peer that is there.
+/// Compares the instances of one body at one time, one per present peer.
 DivergenceSample compare(std::span<const TrackSample> instances, bool owned) {
   DivergenceSample sample;
   int users = 0;
@@ -56,7 +56,7 @@ bool is_owned(const PeerRecord& peer, std::size_t body) {
   return body < peer.owners.size() && peer.owners[body] != 0;
 }
 
-/// ns, session times at which an owner put each body somewhere else, ascending.
+/// ns, session times at which an owner teleported each body, ascending.
 std::vector<std::vector<consensus::SessionTime>> jump_times(std::span<const PeerRecord> peers) {
   std::vector<std::vector<consensus::SessionTime>> jumps(peers.front().tracks.size());
   for (const PeerRecord& peer : peers) {
@@ -73,7 +73,7 @@ std::vector<std::vector<consensus::SessionTime>> jump_times(std::span<const Peer
 bool just_jumped(const std::vector<consensus::SessionTime>& jumps, consensus::SessionTime time,
                  consensus::SessionTime window) {
   const auto after = std::upper_bound(jumps.begin(), jumps.end(), time);
-  // The body is there a step later.
+  // The teleport shows one step later.
   return after != jumps.begin() && time - *(after - 1) < window;
 }
 
@@ -117,7 +117,7 @@ Distribution degrees(const std::vector<DivergenceSample>& samples) {
   return distribution(values);
 }
 
-/// All numbers of one kind, over all peers, in the unit that `scale` makes.
+/// All numbers of one kind, over all peers, times `scale`.
 template <class Member>
 Distribution gathered(std::span<const PeerRecord> peers, Member member, double scale) {
   std::vector<double> values;

@@ -18,7 +18,7 @@ namespace tandem::demos {
 
 namespace {
 
-/// ns, of the earliest sample; 0 where there is none.
+/// ns, of the earliest sample; 0 if there is none.
 consensus::SessionTime first_time(const std::vector<PeerRecord>& peers) {
   consensus::SessionTime first = INT64_MAX;
   for (const PeerRecord& peer : peers) {
@@ -29,15 +29,15 @@ consensus::SessionTime first_time(const std::vector<PeerRecord>& peers) {
   return first == INT64_MAX ? 0 : first;
 }
 
-/// ns, session time from which the tables count.
+/// ns, session time at which the tables start.
 consensus::SessionTime table_start(const Report& report) {
   consensus::SessionTime start = INT64_MAX;
   for (const DivergenceSample& s : report.metrics.samples) start = std::min(start, s.time);
-  // One peer, who disagrees with nobody.
+  // A single peer has nobody to disagree with.
   return start == INT64_MAX ? first_time(report.run.peers) : start;
 }
 
-#ifdef __MINGW_PRINTF_FORMAT  // "printf" means another C library's formats there
+#ifdef __MINGW_PRINTF_FORMAT  // "printf" means another C library's formats on MinGW
 __attribute__((format(__MINGW_PRINTF_FORMAT, 1, 2)))
 #else
 __attribute__((format(printf, 1, 2)))
@@ -58,7 +58,7 @@ std::string row(const char* name, const Distribution& d, double scale) {
                 scale * d.p95, scale * d.p99, scale * d.max, d.count);
 }
 
-/// Of percentiles, column by column; the samples are those of `d`.
+/// Percentiles, column by column; the sample count is that of `d`.
 std::string ratio_row(const char* name, const Distribution& d, const Distribution& reference) {
   if (d.count == 0 || reference.count == 0) return format("  %-26s %9s\n", name, "none");
   return format("  %-26s %9.3f %9.3f %9.3f %9.3f %9.3f %9zu\n", name, d.p50 / reference.p50,
@@ -142,7 +142,7 @@ Report make_report(std::string scenario, const DemoOptions& options, RunResult r
   report.scenario = std::move(scenario);
   report.options = options;
   EvaluationOptions evaluation;
-  // A peer that has sent nothing for so long was away.
+  // A peer that was silent for this long was away.
   if (options.over_network()) {
     evaluation.max_gap = static_cast<consensus::SessionTime>(0.2e9 + 2e9 / options.update_hz);
   }

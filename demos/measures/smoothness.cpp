@@ -23,7 +23,7 @@ void filter(std::vector<double>& values, double rate, double cutoff) {
   const double norm = 1.0 / (1.0 + std::numbers::sqrt2 * k + k * k);
   const double a1 = 2.0 * (k * k - 1.0) * norm;
   const double a2 = (1.0 - std::numbers::sqrt2 * k + k * k) * norm;
-  // As if the first value had been there for ever: nothing of it comes through.
+  // Initial state as if the first value had always been there: its response is 0.
   double x1 = values.empty() ? 0.0 : values.front();
   double x2 = x1, y1 = 0.0, y2 = 0.0;
   for (double& value : values) {
@@ -36,7 +36,7 @@ void filter(std::vector<double>& values, double rate, double cutoff) {
   }
 }
 
-/// The lengths of what is fast in a way.
+/// Lengths of the high-passed positions.
 std::vector<double> fast_part(std::span<const Vec3> way, double rate) {
   std::vector<double> result(way.size(), 0.0);
   for (int axis = 0; axis < 3; ++axis) {
@@ -64,7 +64,7 @@ struct Gathered {
 
 void add_arcs(const std::vector<TrackSample>& samples, double rate, std::vector<double>& out) {
   constexpr double kShortest = 0.5;   // s
-  constexpr std::size_t kMax = 2000;  // stretches, of all bodies
+  constexpr std::size_t kMax = 2000;  // stretches, over all bodies
   std::vector<double> speed;
   for (std::size_t i = 0; i <= samples.size(); ++i) {
     if (i < samples.size() && samples[i].speed > kMovingSpeed) {
@@ -113,7 +113,7 @@ std::vector<double> high_pass(std::span<const double> values, double rate, doubl
 
 double spectral_arc_length(std::span<const double> speed, double rate) {
   constexpr double kHighest = 10.0;    // Hz
-  constexpr double kThreshold = 0.05;  // of the spectrum's value at 0
+  constexpr double kThreshold = 0.05;  // fraction of the spectrum's value at 0
   constexpr int kBins = 200;           // up to kHighest
   std::array<double, kBins + 1> amplitude{};
   for (int bin = 0; bin <= kBins; ++bin) {

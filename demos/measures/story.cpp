@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kColumns = 80;
 
-/// Escapes of a terminal, or none.
+/// Terminal escapes, or none.
 class Ink {
  public:
   explicit Ink(bool on) : on_(on) {}
@@ -37,7 +37,7 @@ class Ink {
   bool on_;
 };
 
-/// In lines that fit on a terminal, the last one ended as well.
+/// Wrapped to the terminal's width, with a final newline.
 std::string wrapped(std::string_view text) {
   std::string lines;
   while (text.size() > kColumns) {
@@ -61,7 +61,7 @@ std::string name_of(Scheme scheme) {
   return "with " + std::string(to_string(scheme));
 }
 
-/// Why it cannot do better, whatever its settings; empty where that is not known.
+/// Why the coupling cannot do better with any settings; empty if unknown.
 std::string_view why(Scheme scheme) {
   if (scheme == Scheme::None) {
     return "Without agreement every computer simulates alone. What differs by a hair's breadth at "
@@ -99,12 +99,12 @@ std::string who(const Scenario& scenario, const Report& report) {
   return text + milliseconds.data();
 }
 
-/// Of what belongs to nobody alone, where anything does.
+/// Divergence of unowned bodies if there are any, else of all.
 const Distribution& apart(const Metrics& metrics) {
   return metrics.shared_m.count > 0 ? metrics.shared_m : metrics.divergence_m;
 }
 
-/// "5.6 mm, 2.9 degrees" @param metres, degrees  how far copies are moved and turned
+/// "5.6 mm, 2.9 degrees" @param metres, degrees  distance and angle between copies
 std::string gap(double metres, double degrees) {
   std::string text = length_words(metres);
   return degrees >= 0.01 ? text + ", " + two_digits(degrees) + " degrees" : text;
@@ -118,7 +118,7 @@ std::string copies(const Report& report) {
          length_words(d.max) + " apart.";
 }
 
-/// What was achieved as each of the peers here saw it.
+/// The achievements of each local peer.
 std::vector<Achievement> achievements(const Scenario& scenario, const Report& report) {
   std::vector<Achievement> all;
   for (const PeerRecord& peer : report.run.peers) {
@@ -127,7 +127,7 @@ std::vector<Achievement> achievements(const Scenario& scenario, const Report& re
   return all;
 }
 
-/// The figure, or those of the peers where they differ.
+/// The figure, or one per peer if they differ.
 std::string figures(const std::vector<Achievement>& all) {
   std::vector<std::string> each;
   for (const Achievement& one : all) {
@@ -145,7 +145,7 @@ bool done(const std::vector<Achievement>& all) {
 struct Row {
   std::string name;
   std::array<std::string, 2> cells;
-  /// Of each cell; none where more is neither good nor bad.
+  /// Of each cell; none if neither direction is better.
   std::optional<std::array<bool, 2>> good = std::nullopt;
 };
 

@@ -9,11 +9,10 @@
 
 namespace tandem::demos {
 
-/// How far springs are stretched between users' hands and what they hold, m: every spring of every
-/// local peer at every step, at its own user's peer. A body counts as held by several where two or
-/// more users of the whole session hold it at that time, at whichever peers they sit, and by one
-/// otherwise; a user who holds it by more than one spring is one user. Of users in other processes
-/// only those count whose springs have been announced.
+/// Stretch of springs between users' hands and held bodies, m: every spring of every local peer at
+/// every step, at its own user's peer. several_m: bodies held by two or more users of the session
+/// at that time, at any peers; one_m: all others. Several springs of one user count as one holder.
+/// Users in other processes count once their springs were announced.
 struct Stretch {
   Distribution one_m, several_m;
 };

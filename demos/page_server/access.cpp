@@ -71,7 +71,7 @@ bool is_name_of(std::string_view host, const boost::asio::ip::address& address,
   if (name.size() > 2 && name.front() == '[' && name.back() == ']') {
     name = name.substr(1, name.size() - 2);
   }
-  // A name that somebody else made point here is none of ours.
+  // A host name that resolves to this address may be a third party's.
   boost::system::error_code error;
   const boost::asio::ip::address named = boost::asio::ip::make_address(name, error);
   return !error && (named == address || address.is_unspecified());

@@ -6,9 +6,9 @@
 
 namespace tandem::page_server {
 
-/// Set before a port is bound. A program that starts again gets its port although connections of
-/// its predecessor linger. On Windows it does so anyway, and "reuse" would let another program
-/// share the port: there this keeps it from that.
+/// Set before a port is bound. It lets a restarted program take its port while old connections
+/// linger. Windows always allows that, and its "reuse" would let another program share the port:
+/// there this option prevents sharing.
 #ifdef _WIN32
 using OwnPort = boost::asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
 #else

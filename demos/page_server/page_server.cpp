@@ -97,7 +97,7 @@ void PageServer::accept() {
   acceptor_.async_accept([this](Error error, Tcp::socket socket) {
     if (stopping_ || error == asio::error::operation_aborted) return;
     if (error) {
-      // Out of descriptors, as a rule: not again at once.
+      // Usually out of file descriptors: retry later.
       again_.expires_after(kAcceptAgain);
       return again_.async_wait([this](Error) {
         if (!stopping_) accept();
@@ -140,7 +140,7 @@ bool PageServer::make_room(const asio::ip::address* from) {
     if (!request || request->is_closed() || (from != nullptr && request->from() != *from)) continue;
     if (least == nullptr || request->worth() < least->worth()) least = request;
   }
-  // Who asks for something now gets it.
+  // Connections with a request in progress are kept.
   if (least == nullptr || least->worth() == Request::Worth::Asks) return false;
   least->close();
   ++refused_;

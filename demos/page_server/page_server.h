@@ -24,18 +24,17 @@ namespace tandem::page_server {
 struct Options {
   std::string address = "127.0.0.1";  ///< numeric
   std::uint16_t port = 0;             ///< 0 takes a free one
-  std::string token;                  ///< 32 hex digits; "" draws them
-  /// Host and port by which pages reach it where something stands in front, "play.example.org",
-  /// by TLS perhaps. "": none
+  std::string token;                  ///< 32 hex digits; "" generates them
+  /// Host and port of a proxy in front, perhaps with TLS, "play.example.org". "": none
   std::string name;
-  bool may_have_tls = false;  ///< who comes by https comes from here as well
-  /// Of any kind. Where all are taken one goes that has not shown the token, the oldest first; then
-  /// one that asks for nothing more; sockets stay.
+  bool may_have_tls = false;  ///< requests by https are own ones too
+  /// Of any kind. If all are taken, the oldest one without the token is closed, then an idle one;
+  /// sockets stay.
   std::size_t max_connections = 64;
-  std::size_t max_per_address = 64;     ///< likewise, of one address that is not this machine's own
+  std::size_t max_per_address = 64;     ///< the same for one remote address
   std::string scripts = "'self'";       ///< Content-Security-Policy: where scripts may come from
-  std::string images = "'self' data:";  ///< likewise, images
-  /// HTML for people who have lost part of the address; the same wherever they are.
+  std::string images = "'self' data:";  ///< Content-Security-Policy: where images may come from
+  /// HTML for visitors with an incomplete address; the same for all.
   std::string help;
 };
 
@@ -46,44 +45,44 @@ struct File {
 };
 
 using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
-/// One connection's place among those that a server has room for; free once it is gone.
+/// One connection's slot among those of the server; free once it is gone.
 using Place = std::shared_ptr<void>;
 
-/// What is served. It is asked on the server's thread.
+/// The contents. Called on the server's thread.
 class Site {
  public:
   virtual ~Site() = default;
   /// @param path  below the token; "" is the page
   virtual std::optional<File> file(std::string_view path) const = 0;
-  /// Whether a socket may open there. @param path  what follows "socket" in the target
+  /// True if a socket may open there. @param path  follows "socket" in the target
   virtual bool has_room(std::string_view path) const = 0;
   /// A connection becomes a socket. @pre has_room(path)
   virtual void upgrade(std::string_view path, UpgradeRequest request,
                        boost::beast::tcp_stream&& stream, Place place) = 0;
-  /// The server ends: all sockets are to close.
+  /// The server ends: close all sockets.
   virtual void end() = 0;
 };
 
 class Request;
 
-/// Serves a page below a token, to who asks for it by the server's own name and from no other
-/// site's page, and hands on connections that become sockets. Runs on a thread of its own.
+/// Serves a page below a token to requests that use the server's own name and come from no other
+/// site's page, and hands on connections that become sockets. Runs on its own thread.
 /// @par Thread safety  Public methods: safe but for start() and stop(). Private ones: its thread.
 class PageServer {
  public:
-  /// It listens, and asks the site nothing before start().
+  /// Listens at once, but calls the site only after start().
   /// @param site  outlives stop()
-  /// @throws std::invalid_argument naming field, value and rule; std::runtime_error where it cannot
+  /// @throws std::invalid_argument naming field, value and rule; std::runtime_error if it cannot
   /// listen
   PageServer(Options options, Site& site);
-  /// @pre stopped, where it was started
+  /// @pre stopped, if it was started
   ~PageServer() = default;
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;
 
   void start();
   void stop();
-  /// Does it on the server's thread.
+  /// Runs `work` on the server's thread.
   template <class Work>
   void post(Work&& work) {
     boost::asio::post(io_, std::forward<Work>(work));
@@ -92,7 +91,7 @@ class PageServer {
   std::uint16_t port() const { return port_; }
   const std::string& token() const { return options_.token; }
   std::string url() const;
-  /// Requests and connections that were turned away.
+  /// Requests and connections that were refused.
   std::uint64_t refused() const { return refused_; }
   /// Processor time of its thread, s. @pre started
   double cpu_s() const;
@@ -102,19 +101,19 @@ class PageServer {
 
   bool is_own_name(std::string_view host) const;
   void accept();
-  /// Null where there is no room for one more.
+  /// Null if all are taken.
   Place place_of(const boost::asio::ip::address& from);
-  /// Closes the connection that is worth least of those from an address, or of all.
+  /// Closes the least valuable connection of an address, or of all.
   /// @return whether there was one
   bool make_room(const boost::asio::ip::address* from);
 
   Options options_;
   Site& site_;
-  std::map<std::uint64_t, std::weak_ptr<Request>> requests_;  ///< in the order in which they came
+  std::map<std::uint64_t, std::weak_ptr<Request>> requests_;  ///< in order of arrival
   std::uint64_t came_ = 0;
   std::map<boost::asio::ip::address, std::size_t> taken_;
   std::size_t all_taken_ = 0;
-  boost::asio::io_context io_{1};  // after what connections use when they end
+  boost::asio::io_context io_{1};  // before it: members that connections use when they end
   boost::asio::ip::tcp::acceptor acceptor_{io_};
   boost::asio::steady_timer again_{io_};
   boost::asio::ip::address address_;

@@ -19,7 +19,7 @@ namespace http = beast::http;
 using Error = boost::system::error_code;
 
 constexpr std::chrono::seconds kPatience{10};
-constexpr std::chrono::seconds kDelivery{60};  // half a megabyte by a slow phone
+constexpr std::chrono::seconds kDelivery{60};  // half a megabyte to a slow phone
 constexpr std::uint32_t kHeaderBytes = 8192;
 
 constexpr std::string_view kSocket = "socket";
@@ -66,7 +66,7 @@ void Request::answer() {
   const Options& options = server_.options_;
   const std::string_view host = view_of(request[http::field::host]);
   keep_alive_ = request.keep_alive();
-  // Neither another site's page nor another name of this machine gets in.
+  // Keeps out pages of other sites and other names of this machine.
   if (!server_.is_own_name(host) || request.count(http::field::host) != 1) {
     return refuse(Status::not_found);
   }
@@ -103,7 +103,7 @@ void Request::send(const File& file, std::string_view host) {
   file_->result(Status::ok);
   file_->set(http::field::content_type, beast::string_view(file.mime.data(), file.mime.size()));
   if (file.gzip) file_->set(http::field::content_encoding, "gzip");
-  // Neither the token nor anything else leaves the page, and nothing foreign enters it.
+  // The page sends the token nowhere and loads nothing foreign.
   file_->set("Content-Security-Policy",
              "default-src 'none'; script-src " + options.scripts + "; style-src 'self'; img-src " +
                  options.images + "; connect-src 'self' " + sockets +

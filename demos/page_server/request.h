@@ -14,12 +14,12 @@
 
 namespace tandem::page_server {
 
-/// One connection that asks for files, until it asks for a socket.
+/// One connection that asks for files until it becomes a socket.
 /// @par Thread safety  One object: the thread of its socket.
 class Request : public std::enable_shared_from_this<Request> {
  public:
   /// The server must outlive it.
-  /// @param number  of this one alone, among the server's
+  /// @param number  unique within the server
   Request(PageServer& server, boost::asio::ip::tcp::socket&& socket, Place place,
           const boost::asio::ip::address& from, std::uint64_t number);
   ~Request();
@@ -27,14 +27,14 @@ class Request : public std::enable_shared_from_this<Request> {
   Request& operator=(const Request&) = delete;
 
   void start() { read(); }
-  /// Its place is free from then on.
+  /// Also frees its place.
   void close();
   bool is_closed() const { return closed_; }
   const boost::asio::ip::address& from() const { return from_; }
   enum class Worth : std::uint8_t {
     Unknown,  ///< has not shown the token
-    Waits,    ///< has, and asks for nothing now
-    Asks,     ///< has, and is being answered
+    Waits,    ///< has shown it, idle
+    Asks,     ///< has shown it, being answered
   };
   Worth worth() const { return worth_; }
 
@@ -44,9 +44,9 @@ class Request : public std::enable_shared_from_this<Request> {
   void read();
   void answer();
   void send(const File& file, std::string_view host);
-  /// @param help  whether it is said how to get in
+  /// @param help  add the help page
   void refuse(Status status, bool help = false);
-  /// Who knows the token and has left out the slash is sent to the page, query and all.
+  /// Redirects a visitor who left out the slash to the page, with the query.
   void send_on(std::string_view target);
   void write();
 

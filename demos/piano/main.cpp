@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 
 // Two users with haptic devices carry a piano through a maze. --variant takes soft, mouse, tug, or
-// several of them with - between.
+// several of them joined by -.
 
 #include "program/demo_main.h"
 #include "scenes/piano.h"

@@ -13,14 +13,14 @@ namespace {
 
 constexpr double kSlow = 0.02;            // m/s and rad/s
 constexpr double kStill = 0.5;            // s
-constexpr double kMoved = 0.02;           // m, from where the record has it
-constexpr double kApart = 0.5;            // m: more than copies differ that agree
-constexpr double kNobodyKeeps = 1.0;      // s, before somebody does
+constexpr double kMoved = 0.02;           // m, from its record
+constexpr double kApart = 0.5;            // m, more than agreeing copies differ
+constexpr double kNobodyKeeps = 1.0;      // s, before an orphaned body is taken over
 constexpr double kFresh = 0.5;            // s
 constexpr double kLease = 1.0;            // s
 constexpr double kLapsed = 3.0 * kLease;  // s
-constexpr double kFast = 8.0;             // m/s: what is said to have gone further since has not
-constexpr double kFarAway = 2.0;          // in reach(): others see to what is further
+constexpr double kFast = 8.0;             // m/s, bound on a body's speed since its record
+constexpr double kFarAway = 2.0;          // in reach(): farther bodies are left to others
 
 double flat(const pbd::Vec3& a, const pbd::Vec3& b) { return (a - b).head<2>().norm(); }
 
@@ -93,9 +93,9 @@ void Custody::settle(std::map<consensus::SharedId, Local>::iterator local,
   if (apart <= kMoved || (held_ && *held_ == id)) return;
   const bool heard = std::ranges::any_of(
       near_, [&, id = id](consensus::PeerId peer) { return peer_.heard(id, peer).has_value(); });
-  // They agree by themselves.
+  // The copies converge by themselves.
   if ((heard && apart < kApart) || peer_.heard(id, record.keeper)) return;
-  // Somebody has it who was not near: this copy is of before.
+  // A remote peer has it: this copy is out of date.
   if (record.keeper != 0 ? apart < kApart : heard && apart < options_.reach()) return;
   vanish(local);
 }
@@ -148,7 +148,7 @@ void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> ne
   news_.clear();
   ledger_.take(news_);
   for (const nats::LedgerNews& news : news_) hear(news, now);
-  // Neighbours know best; what nobody near has is where it was left.
+  // Neighbours' states first; a body that no neighbour has is where its record says.
   for (const consensus::UnknownState& state : peer_.unknown()) {
     const auto number = PlazaBody::number(state.update.id, options_.bodies);
     if (!number || local_.contains(state.update.id)) continue;
@@ -164,12 +164,12 @@ void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> ne
     const auto number = PlazaBody::number(id, options_.bodies);
     if (!number || local_.contains(id)) continue;
     const nats::LedgerRecord& record = lying.record;
-    // What somebody keeps is on its way: he tells of it, or of where it came to rest.
+    // A kept body is in motion: its keeper announces it, or its resting place.
     const bool kept = record.keeper != 0 && record.keeper != self_;
     if (kept && (is_connected(record.keeper) || is_leased(lying, now))) continue;
     if (flat(record.pose.position, feet) > options_.reach()) continue;
     appear(*number, record.pose, {});
-    // Whose keeper has gone is nobody's.
+    // The keeper has gone, so nobody keeps the body.
     if (kept) ledger_.write(id, 0, record.pose, {});
   }
 }
@@ -190,7 +190,7 @@ void Custody::keep(const consensus::SharedId& id, Local& local, bool held, const
         nats::distance_to(cells_, record->cell, state.pose.position) > cells_.slack;
     const bool due = net::seconds(now - local.written_at) >= kLease;
     if (!still && !crosses && !due) return;
-    // Who is near it can say where it goes; this one will not hear what it meets.
+    // A peer near the body must continue it; this one will not hear of its contacts.
     const bool leaves =
         due && !held && flat(state.pose.position, feet) > options_.reach() + options_.slack();
     const consensus::PeerId keeper = still ? 0 : leaves ? successor(id, now) : self_;
@@ -201,7 +201,7 @@ void Custody::keep(const consensus::SharedId& id, Local& local, bool held, const
     if (ledger_.write(id, self_, state.pose, state.twist)) local.written_at = now;
     return;
   }
-  // It is not where its record says, and whoever should write that does not.
+  // It is not where its record says, and the peer that should write the record does not.
   if (is_kept(*record, now) || !moved) {
     local.astray_since = 0;
   } else if (local.astray_since == 0) {
@@ -220,7 +220,7 @@ bool Custody::may_go(const consensus::SharedId& id, const Local& local, const pb
   const nats::LedgerRecord* const record = ledger_.known(id);
   if (record == nullptr || record->keeper == self_) return false;
   if (apart > kFarAway * options_.reach()) return true;
-  // What moves stays until it is somebody's or rests where it is written.
+  // A moved body stays here until it has a keeper or rests at its record.
   return is_kept(*record, now) || (position - record->pose.position).norm() <= kMoved;
 }
 

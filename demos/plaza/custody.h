@@ -17,17 +17,17 @@
 
 namespace tandem::demos {
 
-/// Which bodies of the square are in one person's world: those near, those he holds, and those he
-/// is the keeper of, which means that he writes into the ledger where they go until they rest.
+/// Selects the bodies in one person's world: those nearby, the one they hold, and those they keep.
+/// A keeper writes a body's position to the ledger until it rests.
 ///
-/// A body that nobody simulates is where its record says. Who moves one becomes its keeper; when it
-/// has come to rest he writes that, and keeps it no longer.
+/// A body that nobody simulates is where its record says. A person who moves one becomes its
+/// keeper, until it rests and that is written.
 ///
-/// A record with a keeper is a lease. He writes each second where the body is, whether he holds it
-/// or it rolls; who has read nothing of it for three may take it. That he is not heard says
-/// nothing, since he may be further away than those who are connected. While the lease holds a copy
-/// that is elsewhere is of before, and what a neighbour says of such a copy is not taken up. A body
-/// that leaves who keeps it goes on to a neighbour who has it.
+/// A record with a keeper is a lease. The keeper renews it each second, for held and rolling bodies
+/// alike; after three seconds without renewal anybody may take the body. Silence of the keeper's
+/// peer means nothing, since it may be too far away to be connected. While the lease holds, a copy
+/// elsewhere is out of date, and neighbours' states of such a copy are ignored. A body that leaves
+/// its keeper's area passes to a neighbour who has it.
 class Custody {
  public:
   struct Counters {
@@ -35,30 +35,30 @@ class Custody {
     std::uint64_t vanished = 0;
     std::uint64_t written = 0;
     std::uint64_t refused = 0;
-    std::uint64_t crossings = 0;  ///< of bodies, from cell to cell, by this keeper
+    std::uint64_t crossings = 0;  ///< handovers of bodies between cells by this keeper
   };
 
   /// All must outlive it.
   Custody(const PlazaOptions& options, consensus::PeerId self, tandem::Scene& scene,
           consensus::Peer& peer, nats::BodyLedger& ledger);
 
-  /// Before a step: what is told of bodies, and which come near.
-  /// @param near    peers that are connected
-  /// @param served  there is a server: without one nobody can renew a lease
+  /// Before a step: takes in states and records of bodies, and adds those that come near.
+  /// @param near    connected peers
+  /// @param served  a server is connected: without one nobody can renew a lease
   void begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> near, bool served,
              consensus::SessionTime now);
-  /// After a step: what is to be written, and who has gone. @param held  by this person
+  /// After a step: writes records and removes bodies. @param held  by this person
   void finish(const pbd::Vec3& feet, const consensus::SharedId* held, consensus::SessionTime now);
-  /// The person goes: bodies that he keeps are left where they are.
+  /// The person leaves: their bodies stay where they are.
   void leave();
 
   struct Local {
     std::size_t number = 0;
     pbd::BodyId body;
-    // ns; 0: it is not so.
+    // ns; 0: not still.
     consensus::SessionTime still_since = 0;
-    consensus::SessionTime astray_since = 0;  ///< not where its record says, and nobody keeps it
-    consensus::SessionTime written_at = 0;    ///< by this person, as its keeper
+    consensus::SessionTime astray_since = 0;  ///< not where its record says, without a keeper
+    consensus::SessionTime written_at = 0;    ///< by this peer, as its keeper
   };
   const std::map<consensus::SharedId, Local>& local() const { return local_; }
   const Counters& counters() const { return counters_; }
@@ -71,7 +71,7 @@ class Custody {
 
   void watch_cells(const pbd::Vec3& feet);
   void hear(const nats::LedgerNews& news, consensus::SessionTime now);
-  /// Let go of a copy that is not where its record has it, where no neighbour can put that right.
+  /// Drops a copy that is not where its record says, if no neighbour can correct it.
   void settle(std::map<consensus::SharedId, Local>::iterator local,
               const nats::LedgerRecord& record);
   void vanish(std::map<consensus::SharedId, Local>::iterator local);
@@ -79,12 +79,12 @@ class Custody {
     return std::find(near_.begin(), near_.end(), peer) != near_.end();
   }
   void appear(std::size_t number, const pbd::Pose& pose, const pbd::Twist& twist);
-  /// Whether its keeper's word still holds, although he may not be heard here.
+  /// True if its keeper's lease holds, whether the keeper is heard or not.
   bool is_leased(const Lying& lying, consensus::SessionTime now) const;
   bool is_kept(const nats::LedgerRecord& record, consensus::SessionTime now) const;
-  /// Whether what a neighbour says of a body can be, by its record.
+  /// True if a neighbour's state of a body is consistent with its record.
   bool agrees(const consensus::UnknownState& state, consensus::SessionTime now) const;
-  /// Who of those near has said last where a body is; this peer where nobody has.
+  /// The nearby peer that stated a body's position last; this peer if none did.
   consensus::PeerId successor(const consensus::SharedId& id, consensus::SessionTime now) const;
   void keep(const consensus::SharedId& id, Local& local, bool held, const pbd::Vec3& feet,
             consensus::SessionTime now);
@@ -99,8 +99,8 @@ class Custody {
   nats::BodyLedger& ledger_;
   std::map<consensus::SharedId, Local> local_;
   std::set<nats::Cell> watched_;
-  std::optional<pbd::Vec3> watched_about_;      ///< where the person was when they were chosen
-  std::map<consensus::SharedId, Lying> lying_;  ///< in the cells about, by their records
+  std::optional<pbd::Vec3> watched_about_;      ///< the person's position at that choice
+  std::map<consensus::SharedId, Lying> lying_;  ///< in the cells around, by their records
   std::vector<consensus::PeerId> near_;
   std::optional<consensus::SharedId> held_;  ///< by this person
   std::vector<nats::LedgerNews> news_;

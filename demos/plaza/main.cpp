@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A large square on which any number of people carry, push and throw what lies about, over a NATS
-// server; all of them in this process, without a picture:
+// A large square on which any number of people carry, push and throw things over a NATS server; all
+// of them in this process, headless:
 //
 //   plaza --server 127.0.0.1:4222 --people 200
 //
-// demos/run.sh plaza starts a server of its own.
+// demos/run.sh plaza starts its own server.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kSquare = 0x706c617a61;  // "plaza", first half of all bodies' ids
 
-/// Uniform over the square but for its rim, by what is drawn for.
+/// Uniform over the square without its rim. `what` separates the random streams.
 pbd::Vec3 place(const PlazaOptions& options, std::uint64_t what, std::size_t number) {
   constexpr double kRim = 0.5;  // m
   Random random(derived_seed(options.seed, what + number));

@@ -15,10 +15,9 @@
 
 namespace tandem::demos {
 
-/// How peers of the plaza reach each other.
 enum class PlazaWire : std::uint8_t {
   Nats,
-  Udp,  ///< everybody with everybody, and all bodies everywhere: for few people, to compare with
+  Udp,  ///< full mesh, all bodies everywhere: for few people, as a baseline
 };
 
 struct PlazaOptions {
@@ -27,24 +26,24 @@ struct PlazaOptions {
   double side = 100.0;    ///< m, of the square
   double seconds = 20.0;  ///< s, of session time
   double step_hz = 60.0;
-  double update_hz = 20.0;  ///< states sent each second
+  double update_hz = 20.0;  ///< states per second
   std::uint64_t seed = 1;
   std::string server = "127.0.0.1:4222";
   PlazaWire wire = PlazaWire::Nats;
-  std::size_t per_hub = 32;  ///< people who share a connection to the server
-  double near = 8.0;         ///< m: whom a person is connected to
-  std::size_t direct = 16;   ///< of the nearest, spoken to by UDP; 0: all goes over the server
+  std::size_t per_hub = 32;  ///< people per connection to the server
+  double near = 8.0;         ///< m: people within it are connected
+  std::size_t direct = 16;   ///< nearest peers reached by UDP; 0: all traffic goes over the server
   bool tells_far = true;     ///< cells are summarised
   std::string json = {};     ///< file for the figures, "-" = standard output
   bool quiet = false;
 
-  /// m: which bodies a person simulates, half of `near`: two who have one in common are connected.
+  /// m: radius of simulated bodies, half of `near`: two people with a body in common are connected.
   double reach() const { return 0.5 * near; }
-  /// m: that much further before he lets go of one.
+  /// m: hysteresis before a body is dropped.
   double slack() const { return 0.075 * near; }
   nats::CellOptions cells() const;
   consensus::PeerOptions peer() const;
-  /// Of what peers compare before they play together.
+  /// Of the options that peers compare before they play together.
   std::uint64_t scene_hash() const;
 };
 
@@ -54,14 +53,14 @@ struct PlazaBody {
   static constexpr double kMass = 3.0;   ///< kg
 
   static consensus::SharedId id(std::size_t number);
-  /// None where it is no body of a square with so many.
+  /// None if the id is not of a square with this many bodies.
   static std::optional<std::size_t> number(const consensus::SharedId& id, std::size_t bodies);
   static collision::Shape shape(std::size_t number);
 };
 
-/// Where a body lies before anybody comes, m, world.
+/// A body's initial position, m, world.
 pbd::Vec3 start_of_body(const PlazaOptions& options, std::size_t number);
-/// Where a person stands at first, on the ground.
+/// A person's initial position, on the ground.
 pbd::Vec3 start_of_person(const PlazaOptions& options, std::size_t number);
 
 }  // namespace tandem::demos

@@ -18,7 +18,7 @@ namespace tandem::demos {
 namespace {
 
 constexpr std::chrono::seconds kServerPatience{20};
-constexpr double kSettle = 3.0;     // s: people have met, and nothing before is counted
+constexpr double kSettle = 3.0;     // s: warm-up without measurement
 constexpr double kLookEvery = 0.1;  // s
 constexpr double kMoving = 0.05;    // m/s
 constexpr double kCloseBy = 0.7;    // of reach(): both have had the body for a while
@@ -38,7 +38,7 @@ std::shared_ptr<nats::NatsHub> connect(const PlazaOptions& options) {
   hub.driven = false;
   if (options.direct > 0) {
     hub.direct.emplace();
-    // Who is on a server of this machine is on this machine.
+    // Clients of a server on this machine are on this machine too.
     if (hub.servers.front().host == "127.0.0.1") hub.direct->listen_address = "127.0.0.1";
   }
   auto out = std::make_shared<nats::NatsHub>(hub);
@@ -71,7 +71,7 @@ std::int64_t SquareClock::begin_step() {
   const std::int64_t due = began_ + step_;
   const std::int64_t early = due - wall();
   if (early > 0) std::this_thread::sleep_for(std::chrono::nanoseconds(early));
-  // In this order a reader in between sees the end of the step before.
+  // This order lets a concurrent reader see the end of the step before.
   base_ += step_;
   began_ = wall();
   return base_;
@@ -98,7 +98,7 @@ void Square::lay_out() {
                            .session_key = plaza_key(),
                            .cells = options_.cells()});
   for (std::size_t i = 0; i < options_.bodies; ++i) {
-    // Who came before has them somewhere else by now: then this is refused.
+    // Refused if earlier participants have moved them.
     ledger.write(PlazaBody::id(i), 0, {.position = start_of_body(options_, i)}, {});
   }
   wait_for(ledger);
@@ -182,7 +182,7 @@ void Square::census() {
                            .scene_hash = options_.scene_hash(),
                            .session_key = plaza_key(),
                            .cells = cells});
-  // Some was thrown over the rim.
+  // Some were thrown over the rim.
   constexpr double kRim = 20.0;
   const nats::Cell low = nats::cell_at(cells, pbd::Vec3::Constant(-kRim));
   const nats::Cell high = nats::cell_at(cells, pbd::Vec3::Constant(options_.side + kRim));
@@ -278,7 +278,7 @@ SquareReport Square::run() {
   const std::int64_t settle = steps(kSettle);
   const std::int64_t all = settle + steps(options_.seconds);
   double cpu = 0.0;
-  double watching = 0.0;  // s of CPU that is not the visitors'
+  double watching = 0.0;  // s of CPU outside the visitors
   std::array<double, 7> counted{};
   auto wall = std::chrono::steady_clock::now();
   std::int64_t now = clock_.begin_step();

@@ -14,9 +14,9 @@
 
 namespace tandem::demos {
 
-/// The time of a square whose people are all in this process. It goes as fast as the wall's, or as
-/// slow as the machine is: a step begins when all have made the one before. So nobody is ever late,
-/// and what is counted in a second of it does not depend on how many cores there are.
+/// The time of a square whose people are all in this process: wall time, or slower on a slow
+/// machine. A step begins when all have finished the one before. So nobody is late, and rates per
+/// second of it do not depend on the number of cores.
 /// @par Thread safety  now(): from any thread.
 class SquareClock {
  public:
@@ -32,10 +32,9 @@ class SquareClock {
 
   std::int64_t step_;  ///< ns
   std::atomic<std::int64_t> base_ = 1'000'000'000;
-  std::atomic<std::int64_t> began_ = wall();  ///< of the step, on the wall
+  std::atomic<std::int64_t> began_ = wall();  ///< of the step, wall time
 };
 
-/// Quantiles of a few numbers.
 struct Spread {
   double p50 = 0.0;
   double p95 = 0.0;
@@ -44,40 +43,39 @@ struct Spread {
 };
 Spread spread_of(std::vector<double> values);
 
-/// What a run came to.
 struct SquareReport {
   double session_s = 0.0;
   double wall_s = 0.0;
-  double cpu_s = 0.0;    ///< of this process while people were there, user and system
-  double kbit_in = 0.0;  ///< per person and session second, of payloads of NATS and UDP
+  double cpu_s = 0.0;    ///< of this process while people were present, user and system
+  double kbit_in = 0.0;  ///< per person and session second, payloads of NATS and UDP
   double kbit_out = 0.0;
   double messages_in = 0.0;  ///< per person and session second
   double messages_out = 0.0;
   double direct_in = 0.0;         ///< of these, by UDP
-  double direct_out = 0.0;        ///< likewise
-  double connected = 0.0;         ///< peers of a person, mean
-  double direct = 0.0;            ///< of them spoken to by UDP alone
-  double simulated = 0.0;         ///< bodies of a person, mean
-  double cells = 0.0;             ///< listened to
-  double summaries = 0.0;         ///< heard, per person and session second
-  std::uint32_t people_told = 0;  ///< most that anybody was told of
-  Spread moving_mm;               ///< between the copies of two who are connected, while it moves
+  double direct_out = 0.0;        ///< by UDP
+  double connected = 0.0;         ///< peers per person, mean
+  double direct = 0.0;            ///< of them by UDP alone
+  double simulated = 0.0;         ///< bodies per person, mean
+  double cells = 0.0;             ///< subscribed
+  double summaries = 0.0;         ///< received, per person and session second
+  std::uint32_t people_told = 0;  ///< maximum known to one person
+  Spread moving_mm;               ///< between the copies of two connected people, while it moves
   Spread resting_mm;
   std::uint64_t taken = 0;
   std::uint64_t crossings = 0;
   std::uint64_t written = 0;
   std::uint64_t refused = 0;
-  std::size_t bodies_lost = 0;   ///< of which there is no record at the end
-  std::size_t bodies_twice = 0;  ///< that are found in two cells at the end
+  std::size_t bodies_lost = 0;   ///< without a record at the end
+  std::size_t bodies_twice = 0;  ///< in two cells at the end
 };
 
-/// All people, and who looks at them from above.
+/// All people, and an observer above.
 class Square {
  public:
   explicit Square(const PlazaOptions& options);
   ~Square();
 
-  /// @return what came of it
+  /// -
   SquareReport run();
 
  private:
@@ -85,11 +83,11 @@ class Square {
   void arrive();
   void look();
   void tell(double time);
-  /// All that is counted from the beginning on: bytes and messages in and out, and summaries heard.
+  /// Totals since the start: bytes and messages in and out, and summaries heard.
   std::array<double, 7> counts() const;
-  /// What is averaged over the run.
+  /// Adds samples to the averages.
   void sample();
-  /// @param before  counts() where the run began
+  /// @param before  counts() at the start of the run
   void sum_up(const std::array<double, 7>& before);
   void census();
 

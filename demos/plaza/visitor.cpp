@@ -15,13 +15,13 @@ namespace tandem::demos {
 
 namespace {
 
-constexpr double kArm = 2.5;              // m: what is further away is not taken
-constexpr double kLetGo = 1.0;            // m: a body that is so far from the hand has got away
+constexpr double kArm = 2.5;              // m, reach of the arm
+constexpr double kLetGo = 1.0;            // m: a body farther from the hand is lost
 constexpr std::uint64_t kPlaceEvery = 6;  // steps
-constexpr std::uint64_t kSayEvery = 10;   // steps between two looks at what to summarise
-constexpr std::size_t kFarBodies = 4;     // of a summary
+constexpr std::uint64_t kSayEvery = 10;   // steps between summaries
+constexpr std::size_t kFarBodies = 4;     // per summary
 
-/// A grip that sags by 1 cm under the body and is four times as strong as it must be.
+/// A grip that sags by 1 cm under the body's weight, with four times the necessary force.
 consensus::GrabDef grip_of(const consensus::SharedId& id, const pbd::Vec3& hand) {
   constexpr double kWeight = 9.81 * PlazaBody::kMass;
   const double stiffness = kWeight / 0.01;
@@ -127,7 +127,7 @@ void Visitor::look_about() {
   }
   if (nats_ == nullptr) return;
   nats_->set_position(feet());
-  // They say where they are twice a second.
+  // Each visitor announces its position twice a second.
   if (steps_ % kPlaceEvery == 0) {
     served_ = hub_->status().connected;
     near_peers_.clear();
@@ -202,7 +202,7 @@ void Visitor::act(double dt, consensus::SessionTime now) {
 void Visitor::say_far() {
   for (int level = 1; level < options_.cells().levels; ++level) {
     if (!nats_->speaks(level)) continue;
-    // Those that are held or move, then whatever lies about.
+    // Held or moving bodies first, then resting ones.
     std::vector<consensus::StateUpdate> states;
     for (const auto& [id, local] : custody_->local()) {
       if (states.size() >= kFarBodies) break;

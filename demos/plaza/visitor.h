@@ -18,14 +18,14 @@
 
 namespace tandem::demos {
 
-/// How a visitor reaches the others.
+/// A visitor's transport.
 struct VisitorLink {
   std::shared_ptr<nats::NatsHub> hub;   ///< null: UDP
-  std::function<std::int64_t()> clock;  ///< ns, of the square
-  std::optional<std::uint16_t> meet;    ///< UDP port of somebody who is there
+  std::function<std::int64_t()> clock;  ///< ns, time of the square
+  std::optional<std::uint16_t> meet;    ///< UDP port of a participant
 };
 
-/// One headless participant: a world of the bodies about him, a peer, and a person who acts in it.
+/// One headless participant: a world of the bodies nearby, a peer, and a person who acts in it.
 /// @par Thread safety  One object: one thread at a time.
 class Visitor {
  public:
@@ -46,9 +46,9 @@ class Visitor {
   std::uint16_t port() const { return udp_ != nullptr ? udp_->local_port() : std::uint16_t{0}; }
   const nats::NatsTransport* transport() const { return nats_.get(); }
   const Custody* custody() const { return custody_ ? &*custody_ : nullptr; }
-  /// The copy of a body here; null where there is none.
+  /// The local copy of a body; null if there is none.
   const pbd::BodyState* copy_of(const consensus::SharedId& id) const;
-  /// Bodies that it has heard of in summaries, people in the largest cell about, and bytes.
+  /// Bodies heard of in summaries, people in the largest cell around, and bytes.
   struct Far {
     std::uint64_t summaries = 0;
     std::uint64_t bytes = 0;
@@ -88,7 +88,7 @@ class Visitor {
   std::uint64_t steps_ = 0;
 };
 
-/// No secret: it tells sessions of the demo from others.
+/// Not secret: it separates the demo's sessions from others.
 net::Key plaza_key();
 
 }  // namespace tandem::demos

@@ -83,7 +83,7 @@ pbd::Vec3 Walker::hand_at(double time) const {
   if (act_ == Act::Push) return hand;
   hand.z() += kCarryHeight * min_jerk(time / kLift);
   if (act_ == Act::Carry) {
-    // Down again before it is let go.
+    // Lowered before release.
     hand.z() -= kCarryHeight * min_jerk((time - until_ + kLift) / kLift);
     return hand;
   }

@@ -10,24 +10,24 @@
 
 namespace tandem::demos {
 
-/// What a person's hand is to do now.
+/// The intended state of a person's hand.
 struct HandWish {
   enum class Kind : std::uint8_t { Nothing, Look, Hold, LetGo };
   Kind kind = Kind::Nothing;
   pbd::Vec3 hand = pbd::Vec3::Zero();  ///< m, world
 };
 
-/// A person on the square, by a script: walks, takes what lies near, carries, pushes or throws it,
-/// and walks on. It knows no physics: whoever drives it says whether there is something to take.
+/// A scripted person on the square: walks, takes something nearby, carries, pushes or throws it,
+/// and walks on. It knows no physics: its driver says what there is to take.
 class Walker {
  public:
   Walker(const PlazaOptions& options, std::size_t number);
 
   /// A step of `dt` s.
   HandWish step(double dt);
-  /// There is a body at this place, after HandWish::Look.
+  /// Answer to HandWish::Look: there is a body at this place.
   void take(const pbd::Vec3& body);
-  /// What was held has got away.
+  /// The held body got away.
   void lose();
 
   const pbd::Vec3& feet() const { return feet_; }
@@ -46,10 +46,10 @@ class Walker {
   pbd::Vec3 goal_;
   pbd::Vec3 ahead_ = pbd::Vec3::UnitX();
   Act act_ = Act::Stroll;
-  double time_ = 0.0;  ///< s, in the act
+  double time_ = 0.0;  ///< s, in the present act
   double until_ = 0.0;
   pbd::Vec3 taken_at_ = pbd::Vec3::Zero();
-  pbd::Vec3 offset_ = pbd::Vec3::Zero();  ///< of the hand from the feet, when it was taken
+  pbd::Vec3 offset_ = pbd::Vec3::Zero();  ///< of the hand from the feet, at the grasp
   std::uint64_t taken_ = 0;
 };
 

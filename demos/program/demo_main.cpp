@@ -29,17 +29,17 @@ std::vector<std::string> body_names(const Scenario& scenario) {
   return names;
 }
 
-/// What the run is shown beside, where it is to be.
+/// The coupling of the comparison run, if there is one.
 std::optional<Scheme> shown_beside(const Scenario& scenario, const DemoOptions& o) {
   if (o.quiet() || o.alone || o.view || o.over_network()) return std::nullopt;
   if (o.beside) return o.beside;
-  // What is asked for by its name is run, and nothing else.
+  // A coupling asked for by name is run alone.
   const bool plain = o.scheme == Scheme::OnePass && o.influence > 0.0 && !o.ablation.any();
   if (!plain || o.print == Print::Details || !o.json.empty() || o.peers < 2) return std::nullopt;
   return scheme("baseline", scenario.baseline());
 }
 
-/// The same session with another coupling, which writes nothing.
+/// The same session with another coupling and without output files.
 DemoOptions with(DemoOptions options, Scheme scheme) {
   options.scheme = scheme;
   options.trace.clear();
@@ -71,7 +71,7 @@ int run(const Scenario& scenario, const DemoOptions& options) {
     Progress progress(options.quiet(), 1 + (again ? 1 : 0) + (other ? 1 : 0));
     result = options.view ? view::run_live(scenario, options)
                           : run_virtual(scenario, options, nullptr, &progress);
-    // Nothing was kept of a session without an end.
+    // An endless session keeps no record.
     if (!options.endless && again) reference = run_reference(scenario, options, result, &progress);
     if (other) {
       beside = run_virtual(scenario, with(options, *other), nullptr, &progress);

@@ -12,11 +12,11 @@
 namespace tandem::demos {
 
 /// Makes the scenario in one of its variants; "" is the default one.
-/// @throws UsageError where there is no such variant
+/// @throws UsageError if there is no such variant
 using ScenarioFactory = std::function<std::unique_ptr<Scenario>(const std::string& variant)>;
 
-/// The main() of a demo: reads the command line, runs, tells. Returns the exit code: 0; 1 for a
-/// fault of the run or the system; 2 for a command line that is not understood.
+/// The main() of a demo: reads the command line, runs, reports. Returns the exit code: 0; 1 for a
+/// fault of the run or the system; 2 for an invalid command line.
 int demo_main(int argc, char** argv, const ScenarioFactory& factory);
 
 /// The main() of a demo without variants.

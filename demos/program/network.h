@@ -18,46 +18,46 @@
 
 namespace tandem::demos {
 
-/// A process's place on a real network, and the time that it shares with the others there.
+/// A process's place on a real network, and its shared session time.
 class Network {
  public:
   virtual ~Network() = default;
   virtual consensus::Transport& transport() = 0;
   /// Session time, ns.
   virtual consensus::SessionTime now() = 0;
-  /// ns: how far now() can be from the others'; -1 = not known.
+  /// ns: bound on the error of now(); -1 = not known.
   virtual std::int64_t clock_error() const = 0;
   virtual std::uint16_t local_port() const = 0;
-  /// Why nobody has come, for who waits; "" where nothing is known.
+  /// Why nobody has connected; "" if unknown.
   virtual std::string trouble() const = 0;
-  /// How often what came from nobody that is known was refused, by reason.
+  /// How often input from unknown senders was refused, by reason.
   using Counts = std::vector<std::pair<const char*, std::uint64_t>>;
   virtual Counts refused() const = 0;
   /// Of this peer's public key; "" without keys.
   std::string fingerprint() const { return fingerprint_; }
-  /// What an organiser has signed, for all members, see net::GroupChange.
+  /// A change signed by an organiser, for all members, see net::GroupChange.
   virtual void change_group(std::span<const std::byte> signed_change) = 0;
-  /// Number of the change that holds; 0: none.
+  /// Number of the change in force; 0: none.
   virtual std::uint64_t group() const = 0;
-  /// Another way on which somebody may be, see net::UdpTransport::connect.
+  /// Adds another path to peers, see net::UdpTransport::connect.
   /// @throws std::runtime_error over TCP
   virtual void connect(std::shared_ptr<net::DatagramPath> path) = 0;
-  /// ns: by how much the system clock was set since the start, where session time began with it.
+  /// ns: how far the system clock was set since the start, if session time began with it.
   virtual std::int64_t clock_stepped() const { return 0; }
 
  protected:
   std::string fingerprint_;
 };
 
-/// As the options say.
-/// @throws std::invalid_argument, std::system_error where it cannot be had, with the reason
+/// Makes the network of the options.
+/// @throws std::invalid_argument, std::system_error with the reason
 std::unique_ptr<Network> make_network(const DemoOptions& options, std::uint64_t scene_hash);
 
-/// The key in a file that the options name.
-/// @throws std::invalid_argument that says what the file must be
+/// Reads a key from a file named by an option.
+/// @throws std::invalid_argument naming the rule for the file
 Key read_key(const std::string& path);
 
-/// Fill in who this peer is and whom it lets in, the same for both transports.
+/// Sets identity and admitted members, for both transports.
 /// @throws as make_network
 template <class Options>
 void set_members(const DemoOptions& from, Options& to) {
@@ -65,14 +65,13 @@ void set_members(const DemoOptions& from, Options& to) {
   try {
     if (!from.identity.empty()) to.identity = keep_identity(from.identity, net::make_key);
   } catch (const std::system_error&) {
-    to.identity.reset();  // nothing can be kept there: a new one at each start
+    to.identity.reset();  // not stored there: a new one at each start
   }
   for (const auto& [peer, key] : from.trusted) to.trusted.push_back({peer, key});
   to.organiser = from.organiser;
   if (!from.certificate.empty()) to.certificate = read_hex_file(from.certificate);
 }
 
-// The kinds that there are.
 std::unique_ptr<Network> make_tcp_network(const DemoOptions& options, std::uint64_t scene_hash);
 std::unique_ptr<Network> make_udp_network(const DemoOptions& options, std::uint64_t scene_hash);
 std::unique_ptr<Network> make_nats_network(const DemoOptions& options, std::uint64_t scene_hash);

@@ -12,7 +12,7 @@ namespace tandem::demos {
 
 namespace {
 
-/// Nobody has a place in these scenes: all are in one.
+/// These scenes have no places: all peers are in one cell.
 constexpr std::size_t kMaxPeers = 64;
 
 nats::NatsOptions nats_options(const DemoOptions& options, std::uint64_t scene_hash) {

@@ -14,7 +14,7 @@ namespace tandem::demos {
 
 namespace {
 
-/// No secret: it tells sessions of demos from other datagrams.
+/// Not secret: it separates sessions of demos from other datagrams.
 net::Key known_key() {
   net::Key key{};
   const std::string_view text = "tandem demo, not a secret";
@@ -29,7 +29,7 @@ net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash
   result.self = options.peer_id;
   result.scene_hash = scene_hash;
   result.listen_port = options.listen.value_or(0);
-  constexpr double kLink = 2000.0;  // kbit/s, where nothing is said
+  constexpr double kLink = 2000.0;  // kbit/s, by default
   result.kbit_per_s = options.budget > 0.0 ? options.budget : kLink;
   result.min_kbit_per_s = std::min(result.min_kbit_per_s, result.kbit_per_s);
   result.clock = options.timeline == Timeline::None     ? net::Clock::None

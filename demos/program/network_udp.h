@@ -9,7 +9,7 @@
 
 namespace tandem::demos {
 
-/// Who this peer is, whom it lets in, and how its connections go.
+/// Identity, admitted members and connection options.
 /// @throws as make_network
 net::UdpOptions udp_options(const DemoOptions& options, std::uint64_t scene_hash);
 

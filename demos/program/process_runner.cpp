@@ -28,7 +28,7 @@ namespace {
 
 using consensus::SessionTime;
 
-/// Noise, order and step rate go by peer id, as in the virtual run.
+/// Noise, order and step rate depend on the peer id, as in the virtual run.
 std::size_t number_of(const DemoOptions& options) {
   return static_cast<std::size_t>(options.peer_id - 1);
 }
@@ -70,7 +70,7 @@ class Session {
       advance();
     }
     clock_error_ = network_->clock_error();
-    // One state more from where we stand would be heard after the farewell.
+    // A further state from here would arrive after the farewell.
     participant_.leave(physics_.physics_time());
     close_trace(trace_.get());
     return result();
@@ -82,11 +82,11 @@ class Session {
     return physics_.physics_time() >= *rendezvous_.epoch() + std::llround(options_.seconds * 1e9);
   }
 
-  /// Take in what has come, so that the step that follows in one step's time knows it.
+  /// Receives, so that the next step, one step time later, uses it.
   void begin(SessionTime now) {
     rendezvous_.update(now);
-    // Nothing moves while nobody is there: all begin together, as in virtual time, not with a world
-    // that fell asleep while it waited.
+    // Nothing moves while the peer is alone: all begin together, as in virtual time, not with a
+    // world that fell asleep during the wait.
     in_company_ = in_company_ || rendezvous_.connected();
     if (!in_company_) {
       show(now);
@@ -95,7 +95,7 @@ class Session {
     if (rendezvous_.epoch() && !scripted_) {
       scripted_ = true;
       if (page_ != nullptr) {
-        // Above the numbers of all who follow a script.
+        // Above the numbers of all scripted users.
         participant_.add_user(scenario_.user_count() + number_of(options_), *rendezvous_.epoch(),
                               [this](Controls& controls) { return page_->make_hands(controls); });
       }
@@ -109,7 +109,7 @@ class Session {
     show(now);
   }
 
-  /// All steps that are due. The first one has begun already, unless time was jumped over.
+  /// All due steps. The first one has begun already, unless time jumped.
   void advance() {
     const net::ClockTick tick = physics_.advance(network_->now());
     if (!in_company_) return;
@@ -140,7 +140,7 @@ class Session {
                    rendezvous_.connected() ? "connected" : "no peer connected");
   }
 
-  /// The page on which this peer's world is seen and touched.
+  /// Serves the page that shows this peer's world and takes input.
   void serve() {
     const auto is_own = [this](std::size_t body, const pbd::Vec3& attachment_l) {
       return participant_.holds(body, attachment_l);
@@ -150,7 +150,7 @@ class Session {
     participant_.watch_with(&page_->observer());
   }
 
-  /// s, since the scripts began; before that since this process did.
+  /// s, since the scripts began; before that, since the process started.
   double shown_time() const {
     return std::max(0.0,
                     net::seconds(physics_.physics_time() - rendezvous_.epoch().value_or(start_)));
@@ -160,7 +160,7 @@ class Session {
     RunResult run;
     run.peers.push_back(participant_.record());
     for (PeerRecord& remote : view_.records()) run.peers.push_back(std::move(remote));
-    // The wait for company is no part of the session.
+    // The wait for peers is not part of the session.
     const SessionTime from = rendezvous_.epoch().value_or(start_);
     run.seconds = net::seconds(std::max<SessionTime>(0, physics_.physics_time() - from));
     run.clock_error = clock_error_ < 0 ? -1.0 : net::seconds(clock_error_);
@@ -175,13 +175,13 @@ class Session {
   std::unique_ptr<Network> network_;
   RemoteView view_;
   Rendezvous rendezvous_;
-  std::unique_ptr<PeerTrace> trace_;  ///< null where nobody asks for it
+  std::unique_ptr<PeerTrace> trace_;  ///< null if not asked for
   Participant participant_;
   SessionTime start_;
   net::PhysicsClock physics_;
   Progress progress_;
   std::unique_ptr<view::WorldView> page_;
-  bool in_company_ = false;        ///< somebody was there once
+  bool in_company_ = false;        ///< another peer was present once
   std::int64_t clock_error_ = -1;  ///< ns
   bool scripted_ = false;
 };

@@ -9,14 +9,14 @@
 namespace tandem::demos {
 
 /// One peer in this process, in wall time over TCP. The world runs from the start; the users'
-/// script begins when the first processes have found each other (see Rendezvous), peer 1 is user A,
-/// peer 2 user B, others look on. Ends `seconds` after the script's beginning, or at SIGINT or
+/// script begins when the first processes have found each other (see Rendezvous): peer 1 is user A,
+/// peer 2 user B, others only watch. Ends `seconds` after the script's beginning, or at SIGINT or
 /// SIGTERM; both leave the session in order.
 ///
-/// Only the own world is known here: the others' are what they send, at their own stamps.
-/// @throws std::invalid_argument where scenario or transport refuse the options
-/// @throws std::system_error where it cannot listen
-/// @throws std::runtime_error where nobody came in time (--wait)
+/// Only the own world is known here; other peers' states are those they send, at their stamps.
+/// @throws std::invalid_argument if scenario or transport refuse the options
+/// @throws std::system_error if it cannot listen
+/// @throws std::runtime_error if nobody came in time (--wait)
 RunResult run_process(const Scenario& scenario, const DemoOptions& options);
 
 }  // namespace tandem::demos

@@ -24,7 +24,7 @@ constexpr double kPositionTolerance = 1e-4;  // m
 constexpr double kAngleTolerance = 2e-3;     // rad
 constexpr double kGhost = 0.35;              // opacity of peers after the first
 
-// Red, green, blue; told apart by colour-blind eyes as well.
+// Red, green, blue; distinguishable for the colour-blind.
 constexpr std::array<std::array<double, 3>, 6> kPalette = {{{0.90, 0.62, 0.00},
                                                             {0.34, 0.71, 0.91},
                                                             {0.00, 0.62, 0.45},
@@ -35,7 +35,7 @@ constexpr std::array<std::array<double, 3>, 6> kPalette = {{{0.90, 0.62, 0.00},
 std::vector<double> position_of(const pbd::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 std::vector<double> rotation_of(const pbd::Quat& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
-/// Numbers of the samples that are needed; linear between them is near enough.
+/// Indices of samples to keep; linear interpolation covers the rest.
 std::vector<std::size_t> needed(const std::vector<TrackSample>& samples) {
   std::vector<std::size_t> kept;
   const auto near = [&](std::size_t from, std::size_t to) {
@@ -115,7 +115,7 @@ class Writer {
       animation_.name = "run";
       model_.animations.push_back(std::move(animation_));
     }
-    // To a stream of ours: of a file it does not tell whether it could be written.
+    // Through our own stream: tinygltf does not report failed writes to files.
     std::ofstream out(file, std::ios::binary);
     if (!out || !tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, out, false, true) ||
         !out.flush()) {
@@ -151,7 +151,7 @@ class Writer {
     return static_cast<int>(model_.materials.size()) - 1;
   }
 
-  /// One of equal shape and material that is there already, or a new one.
+  /// The existing mesh of equal shape and material, or a new one.
   int add_mesh(const collision::Shape& shape, int material) {
     ShapeMesh mesh = shape_mesh(shape);
     const auto found = meshes_.find({mesh, material});
@@ -186,12 +186,12 @@ class Writer {
     for (const std::size_t k : keys) {
       const TrackSample& sample = samples[k];
       const auto time = static_cast<float>(1e-9 * static_cast<double>(sample.time - start));
-      // Times must grow in 32 bits as well.
+      // Times must increase in 32 bits too.
       if (!times.empty() && !(time > times.back())) continue;
       times.push_back(time);
       for (const double x : position_of(sample.position))
         positions.push_back(static_cast<float>(x));
-      // The shorter way round, as slerp goes.
+      // The shorter arc, as slerp expects.
       pbd::Quat turn = sample.orientation.normalized();
       if (turn.dot(last) < 0.0) turn.coeffs() = -turn.coeffs();
       last = turn;

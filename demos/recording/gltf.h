@@ -10,11 +10,11 @@
 
 namespace tandem::demos {
 
-/// Writes a run as binary glTF 2.0: what is fixed, and for each peer a node with all its bodies and
-/// their motion; peers after the first are translucent, so that they can be seen through each
-/// other. Samples that lie on the line between their neighbours (0.1 mm, 0.1 degrees) are left out.
+/// Writes a run as binary glTF 2.0: static bodies, and a node per peer with all its bodies and
+/// their motion; peers after the first are translucent. Samples on the line between their
+/// neighbours (0.1 mm, 0.1 degrees) are left out.
 /// @param scene  bodies and shapes, as any peer has them
-/// @throws std::runtime_error where the file cannot be written
+/// @throws std::runtime_error if the file cannot be written
 void write_glb(const std::string& file, const Scene& scene, const std::vector<PeerRecord>& peers);
 
 }  // namespace tandem::demos

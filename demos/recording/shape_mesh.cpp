@@ -27,7 +27,7 @@ class Builder {
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     mesh_.indices.insert(mesh_.indices.end(), {a, b, c});
   }
-  /// Flat, with corners of its own, counter-clockwise from outside.
+  /// A flat face with unshared corners, counter-clockwise from outside.
   void face(std::span<const Vec3> corners, const Vec3& normal) {
     std::vector<std::uint32_t> made;
     for (const Vec3& position : corners) made.push_back(corner(position, normal));
@@ -85,7 +85,7 @@ ShapeMesh box(const Vec3& half) {
   return b.done();
 }
 
-/// Round about z between two discs; the upper one may be a point.
+/// A frustum about z; the upper disc may be a point.
 ShapeMesh frustum(double lower, double upper, double half_height) {
   Builder b;
   const Vec3 up = half_height * Vec3::UnitZ();

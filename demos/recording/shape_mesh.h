@@ -9,16 +9,16 @@
 
 namespace tandem::demos {
 
-/// Triangles to draw a shape with, in its own frame. Corners of flat faces are not shared.
+/// Triangles of a shape, in its own frame. Flat faces share no corners.
 struct ShapeMesh {
-  std::vector<float> positions;        ///< m, three for each corner
-  std::vector<float> normals;          ///< unit, likewise
-  std::vector<std::uint32_t> indices;  ///< three for each triangle, counter-clockwise from outside
+  std::vector<float> positions;        ///< m, three per corner
+  std::vector<float> normals;          ///< unit length, three per corner
+  std::vector<std::uint32_t> indices;  ///< three per triangle, counter-clockwise from outside
 
   friend auto operator<=>(const ShapeMesh&, const ShapeMesh&) = default;
 };
 
-/// Half-spaces are drawn as a square of `extent` (m) around the foot of the origin.
+/// A half-space becomes a square of `extent` (m) around the point nearest to the origin.
 ShapeMesh shape_mesh(const collision::Shape& shape, double extent = 10.0);
 
 }  // namespace tandem::demos

@@ -12,7 +12,6 @@ namespace tandem::demos {
 Progress::Progress(bool quiet, int runs) : on_(!quiet && is_terminal(stderr)), runs_(runs) {}
 
 Progress::~Progress() {
-  // Back to the start of an empty line.
   if (on_ && shown_ >= 0) std::fputs("\r\033[K", stderr);
 }
 

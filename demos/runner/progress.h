@@ -6,16 +6,16 @@
 
 namespace tandem::demos {
 
-/// A bar on standard error, where that is a terminal; nothing elsewhere. It ends with the last run.
+/// A progress bar on standard error, if that is a terminal. It ends with the last run.
 class Progress {
  public:
-  /// @param runs  how many there are, all of one length
+  /// @param runs  number of runs, all of one length
   explicit Progress(bool quiet, int runs = 1);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// @param part  0 to 1, of this run    @param note  written behind the bar
+  /// @param part  0 to 1, of this run    @param note  shown after the bar
   void show(double part, const std::string& note);
   /// This run has ended, another one follows.
   void next_run() { ++run_; }

@@ -14,7 +14,7 @@ VirtualSession::VirtualSession(const Scenario& scenario, const DemoOptions& opti
                                const std::vector<Input>* replay)
     : network_(options.link_options(), derived_seed(options.seed, 5000), kVirtualStart) {
   const auto count = static_cast<std::size_t>(options.peers);
-  // All join before the first of them looks around.
+  // All join before the first of them acts.
   for (std::size_t i = 0; i < count; ++i) {
     network_.transport(i + 1);
     network_.set_clock(i + 1, clock_ahead(options, i));

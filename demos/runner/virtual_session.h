@@ -20,15 +20,15 @@ namespace tandem::demos {
 class VirtualSession {
  public:
   /// Scenario and replay must outlive it.
-  /// @param replay  what the users do; null: their script
-  /// @throws std::invalid_argument where scenario or link refuse the options
+  /// @param replay  the users' inputs; null: their script
+  /// @throws std::invalid_argument if scenario or link refuse the options
   VirtualSession(const Scenario& scenario, const DemoOptions& options,
                  const std::vector<Input>* replay);
 
-  /// Let the next thing happen, unless it is later than `end`.
-  /// @return its time, ns; nothing where it is later
+  /// Runs the next event, unless it is later than `end`.
+  /// @return its time, ns; nothing if it is later
   std::optional<consensus::SessionTime> act(consensus::SessionTime end);
-  /// The run is over: say so in its traces. No further calls of act().
+  /// Ends the traces after the run. No further calls of act().
   void close_traces();
 
   std::vector<Actor>& actors() { return actors_; }
@@ -36,7 +36,7 @@ class VirtualSession {
 
  private:
   consensus::VirtualNetwork network_;
-  // They outlive the actors, who use them; null where nobody asks for them.
+  // Before the actors that use them; null if not asked for.
   std::vector<std::unique_ptr<PeerTrace>> traces_;
   std::vector<Actor> actors_;
 };

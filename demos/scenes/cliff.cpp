@@ -20,7 +20,6 @@ using pbd::Vec3;
 constexpr std::uint32_t kRelease = 1;  // signal
 constexpr std::uint64_t kPlaces = 20261121;
 
-/// Presses the key.
 class KeyUser final : public User {
  public:
   KeyUser(Controls& controls, double time) : controls_(controls), time_(time) {}
@@ -62,7 +61,7 @@ class CliffReferee final : public Referee {
   }
 
  private:
-  double deepest_ = 0.0;  ///< m, of a ball's lowest point below the triangle under its middle
+  double deepest_ = 0.0;  ///< m, of a ball's lowest point below the triangle under its centre
   double fastest_ = 0.0;  ///< m/s
 };
 
@@ -112,7 +111,7 @@ void CliffScenario::on_signal(Scene& scene, const Signal& signal,
                               consensus::SessionTime now) const {
   if (signal.code != kRelease) return;
   const double age = 1e-9 * static_cast<double>(now - signal.time);
-  // Who comes long after the fall learns from the others where the balls are.
+  // A late joiner learns the balls' positions from the others.
   constexpr double kMaxAge = 0.5;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) let_fall(scene, i, std::min(age, kMaxAge));
 }

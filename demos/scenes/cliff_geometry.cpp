@@ -39,7 +39,7 @@ double cliff_surface(double x, double y) {
   const double v = (y - line(j)) / width;
   const double a = cliff_height(line(i), line(j));
   const double d = cliff_height(line(i + 1), line(j + 1));
-  // The cell is cut from a to d.
+  // The diagonal of the cell runs from a to d.
   if (u >= v) {
     const double b = cliff_height(line(i + 1), line(j));
     return a + u * (b - a) + v * (d - b);

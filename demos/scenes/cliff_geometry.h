@@ -9,15 +9,14 @@
 
 #include "tandem/pbd/types.h"
 
-// The cliff as plain data, for the demo and for the benchmarks, which give it to other engines as
-// well. It knows no engine.
+// The cliff as plain data, independent of the engine: the benchmarks use it with other engines.
 namespace tandem::demos {
 
-inline constexpr double kCliffHalf = 12.0;  ///< m: the ground reaches that far from the origin
+inline constexpr double kCliffHalf = 12.0;        ///< m: half extent of the ground
 inline constexpr std::uint32_t kCliffCells = 64;  ///< squares along each side, two triangles each
 inline constexpr double kCliffBallRadius = 0.15;  ///< m
 
-/// Height (m) of the ground, as the formula has it: a plateau at 6 m, a slope, a plain; all wavy.
+/// Height (m) of the ground by formula: a plateau at 6 m, a slope, a plain; all wavy.
 double cliff_height(double x, double y);
 /// Height (m) of the triangles above (x, y) within kCliffHalf.
 double cliff_surface(double x, double y);
@@ -28,8 +27,8 @@ struct CliffMesh {
 };
 CliffMesh cliff_mesh();
 
-/// m: the middles of ten layers of ten by ten balls above the edge, each a little out of its place.
-/// @param uniform  draws from [0, 1), twice for each ball
+/// m: centres of ten layers of ten by ten balls above the edge, each slightly displaced.
+/// @param uniform  draws from [0, 1), twice per ball
 std::vector<pbd::Vec3> cliff_balls(const std::function<double()>& uniform);
 
 }  // namespace tandem::demos

@@ -84,7 +84,7 @@ void Controls::drive(std::size_t body, const pbd::Pose& pose) {
   append(note(Input::Kind::Drive, static_cast<std::uint32_t>(body), body).values, pose);
   const pbd::BodyId id = scene_.bodies[body].body;
   if (scene_.world->props(id).type != pbd::BodyType::Kinematic) return;
-  // By its velocity, which the others hear, not by a target, after which it would stand still.
+  // By a velocity, which is sent to the others; a pose target would send zero velocity.
   const pbd::Pose& from = scene_.world->pose(id);
   scene_.world->set_twist(id, {(pose.position - from.position) / dt_,
                                pbd::rotation_between(from.orientation, pose.orientation) / dt_});

@@ -13,9 +13,9 @@
 
 namespace tandem::demos {
 
-/// Something that happens once, at all peers, at a session time.
+/// A one-time event at all peers, at a session time.
 struct Signal {
-  std::uint32_t code = 0;           ///< what it means is the scenario's business
+  std::uint32_t code = 0;           ///< defined by the scenario
   consensus::SessionTime time = 0;  ///< ns
   friend auto operator<=>(const Signal&, const Signal&) = default;
 };
@@ -27,56 +27,56 @@ class SignalSink {
   virtual void raise(const Signal& signal) = 0;
 };
 
-/// All that a user can do to the world of their peer, and the record of what they did.
+/// All that users can do to their peer's world, and the record of it.
 /// @par Thread safety  One object: one thread at a time.
 class Controls {
  public:
   /// All must outlive it. @param epoch  ns, session time of the script's beginning
-  /// @param signals  null: signals are recorded and go nowhere
+  /// @param signals  null: signals are recorded but not sent
   Controls(std::size_t user, Scene& scene, consensus::Peer& peer, consensus::SessionTime epoch,
            SignalSink* signals = nullptr);
 
   /// The peer's clock is `ahead` ns of ours.
   void set_clock(consensus::SessionTime ahead) { clock_ahead_ = ahead; }
-  /// What follows happens at `now`, before a step of `dt` s.
+  /// Subsequent inputs happen at `now`, before a step of `dt` s.
   void begin(consensus::SessionTime now, double dt);
   double time() const { return 1e-9 * static_cast<double>(now_ - epoch_); }  ///< s since the epoch
   consensus::SessionTime now() const { return now_; }
   double dt() const { return dt_; }
   const Scene& scene() const { return scene_; }
 
-  /// A spring on a shared body, as the peer's mode has it; returns its number.
+  /// Attaches a spring to a shared body, in the peer's mode; returns its number.
   /// @throws as consensus::Peer::grab
   std::uint32_t grab(std::size_t body, const consensus::GrabDef& def);
   /// The same spring, known to this peer alone: an asymmetric constraint, [friston] Sec. 3.5. The
-  /// others learn of it by what it does to the body.
+  /// others see only its effect on the body.
   std::uint32_t hold(std::size_t body, const consensus::GrabDef& def);
   void move(std::uint32_t spring, const pbd::Vec3& anchor_w);
   void release(std::uint32_t spring);
-  /// Move a body of this user's own so that it is at `pose` at the end of the step. No effect where
-  /// the body is not driven from this peer.
+  /// Moves one of this user's own bodies to `pose` at the end of the step. No effect if the body is
+  /// not driven from this peer.
   void drive(std::size_t body, const pbd::Pose& pose);
-  /// Put a body of this user's own somewhere else at once.
+  /// Teleports one of this user's own bodies.
   void jump(std::size_t body, const pbd::Pose& pose);
   /// @param delay  s, from now
   void signal(std::uint32_t code, double delay);
 
-  /// Whether this user holds a body by a spring.
+  /// True if this user holds the body by a spring.
   bool holds(std::size_t body) const;
-  /// Likewise, by one at just this point (m, frame of the body).
+  /// The same for a spring at exactly this point (m, frame of the body).
   bool holds(std::size_t body, const pbd::Vec3& attachment_l) const;
-  /// How far the point of the body that a spring holds is from its anchor.
+  /// Distance of a spring's attachment on the body from its anchor.
   struct Stretch {
     std::size_t body = 0;   ///< index into Scene::bodies
     double distance = 0.0;  ///< m
   };
-  /// Of each spring of this user, in this peer's world as it is; appended.
+  /// Appends the stretch of each of this user's springs in this peer's present world.
   void append_stretches(std::vector<Stretch>& out) const;
-  /// The peer was replaced by another one at the same place: hold everything as before.
+  /// Restores all springs after the peer was replaced in place.
   void hold_again();
   /// Newest last.
   const std::vector<Input>& log() const { return log_; }
-  /// Forget what was done, and what will be at each begin(): for sessions without an end.
+  /// Clears the record at each begin(): for endless sessions.
   void keep_no_log() {
     log_.clear();
     keeps_log_ = false;

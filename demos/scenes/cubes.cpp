@@ -15,7 +15,7 @@ namespace tandem::demos {
 
 namespace {
 
-/// How far the plate was carried, and what is still on it.
+/// Distance that the plate was carried, and the cubes still on it.
 class CubesReferee final : public Referee {
  public:
   CubesReferee(const CubesOptions& cubes, const Scene& scene)
@@ -35,7 +35,7 @@ class CubesReferee final : public Referee {
                          std::abs(local.y()) < 0.5 * cubes_.plate.y();
       if (!above) continue;
       on_plate += 1.0;
-      // Where it was on the plate at the start.
+      // The cube's place on the plate at the start.
       const pbd::Vec3 place = scene.bodies[i].start - scene.bodies[plate_].start;
       if ((local - place).norm() < 0.5 * cubes_.edge) standing += 1.0;
     }
@@ -95,7 +95,7 @@ Scene CubesScenario::build(const SceneOptions& options) const {
                   pbd::Vec3(x, 0.0, z));
     }
   }
-  // Away from where the plate, its rubble and the hands will be.
+  // Away from the plate, its rubble and the hands.
   const pbd::Vec3 pillar(0.5 * o.plate.x() + 5.0 * o.edge, -0.5 * o.plate.y(), 0.0);
   for (int level = 0; level < o.height; ++level) {
     builder.box("pillar/" + std::to_string(level), cube, o.cube_mass,

@@ -6,10 +6,10 @@
 
 namespace tandem::demos {
 
-/// Measures of the scene "stacked cubes", after [friston] Sec. 5.5.
+/// Dimensions of the scene "stacked cubes", after [friston] Sec. 5.5.
 struct CubesOptions {
   int stacks = 4;                               ///< on the plate
-  int height = 4;                               ///< cubes in each of them, and in the pillar
+  int height = 4;                               ///< cubes per stack, and in the pillar
   double edge = 0.1;                            ///< m, of a cube
   double cube_mass = 0.3;                       ///< kg
   double plate_mass = 4.0;                      ///< kg
@@ -20,28 +20,27 @@ struct CubesOptions {
   void validate() const;
 };
 
-/// Stacks of cubes on a plate that lies on the ground at the origin, its long side along x; beside
-/// it the pillar, a stack on the ground that nobody touches. Names: "plate", "cube/<stack>/<level>"
-/// from -x to +x and from below, "pillar/<level>".
+/// Stacks of cubes on a plate, which lies on the ground at the origin with its long side along x;
+/// beside it the pillar, a stack on the ground that nobody touches. Names: "plate",
+/// "cube/<stack>/<level>" from -x to +x and bottom to top, "pillar/<level>".
 ///
-/// User A pulls a cube out of the first stack, off the plate towards -y, and so throws the stack
-/// over; user B carries the topmost cube of the last stack to the ground. Then both lift the plate
-/// with what stands on it, one at each end, carry it sideways, set it down and let go; in longer
-/// sessions they carry it back, and so on.
+/// User A pulls a cube out of the first stack towards -y and so topples it; user B carries the top
+/// cube of the last stack to the ground. Then both lift the plate, one at each end, carry it
+/// sideways and set it down; longer sessions repeat this back and forth.
 class CubesScenario final : public Scenario {
  public:
-  /// s: the first lift begins; a lift with its rest takes kLiftPeriod.
+  /// s: start of the first lift; a lift with its rest takes kLiftPeriod.
   static constexpr double kLiftStart = 8.0;
   static constexpr double kLiftPeriod = 10.0;
 
-  /// @throws std::invalid_argument where the options are not valid
+  /// @throws std::invalid_argument if the options are not valid
   explicit CubesScenario(const CubesOptions& options = {});
 
   const CubesOptions& options() const { return options_; }
   Scene build(const SceneOptions& options) const override;
   std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
-  /// The pillar stands: no cube has moved by 5 mm or tilted by 2 degrees.
+  /// Fault: a cube of the pillar moved by 5 mm or tilted by 2 degrees.
   std::string fault(const Scene& scene) const override;
   /// All but the pillar.
   std::vector<std::size_t> holdable(const Scene& scene) const override {

@@ -11,7 +11,7 @@ namespace tandem::demos {
 
 namespace {
 
-/// What both users know: the measures of the scene, and what they see.
+/// Both users' knowledge: the scene's dimensions, and what they see.
 struct View {
   CubesOptions cubes;
   const Scene& scene;
@@ -20,7 +20,7 @@ struct View {
   double mass(std::size_t body) const { return scene.mass(body); }
   bool is_cube(std::size_t body) const { return scene.bodies[body].name.starts_with("cube/"); }
 
-  /// Cubes of the stack that stands where stack number `stack` began, from below.
+  /// Cubes still standing at the place of stack number `stack`, bottom to top.
   std::vector<std::size_t> standing(int stack) const {
     const pbd::Vec3 axis = scene.body("cube/" + std::to_string(stack) + "/0").start;
     std::vector<std::size_t> found;
@@ -35,7 +35,7 @@ struct View {
     return found;
   }
 
-  /// kg, the plate with the cubes that are seen to lie on it.
+  /// kg, the plate with the cubes seen on it.
   double plate_load() const {
     const std::size_t plate = scene.index_of("plate");
     const pbd::Pose& pose = scene.pose(scene.bodies[plate]);
@@ -55,7 +55,7 @@ pbd::Vec3 cube_spread(const CubesOptions& cubes) {
   return pbd::Vec3(0.4 * cubes.edge, 0.4 * cubes.edge, 0.0);
 }
 
-/// Pull the second cube from below off the plate, so that what stands on it tumbles.
+/// Pulls the second cube from below off the plate, so that its stack topples.
 HandTask throw_over(const View& view, Random& random) {
   HandTask task;
   task.start = 1.5 + random.uniform(-0.1, 0.1);
@@ -74,7 +74,7 @@ HandTask throw_over(const View& view, Random& random) {
   return task;
 }
 
-/// Lift the topmost cube off the last stack and put it on the ground beside the plate.
+/// Lifts the top cube off the last stack and puts it on the ground beside the plate.
 HandTask fetch(const View& view, Random& random) {
   HandTask task;
   task.start = 2.5 + random.uniform(-0.1, 0.1);
@@ -99,7 +99,7 @@ HandTask fetch(const View& view, Random& random) {
   return task;
 }
 
-/// Hold the plate at one end (side -1 or +1), lift it, carry it sideways and set it down.
+/// Holds the plate at one end (side -1 or +1), lifts it, carries it sideways and sets it down.
 HandTask carry_plate(const View& view, double side, double start, double sideways) {
   HandTask task;
   task.start = start;
@@ -109,7 +109,7 @@ HandTask carry_plate(const View& view, double side, double start, double sideway
     const double reach = 0.5 * view.cubes.plate.x() - 0.1;
     HandPath path(0.0, pose.to_world(pbd::Vec3(side * reach, 0.0, 0.0)));
     constexpr double kHeight = 0.25;
-    constexpr double kPress = 0.01;  // slack springs where the plate lies again
+    constexpr double kPress = 0.01;  // slackens the springs once the plate is down
     path.wait(0.5)
         .move_by(pbd::Vec3(0.0, 0.0, kHeight), 2.0)
         .wait(0.2)
@@ -135,7 +135,7 @@ std::vector<HandTask> cubes_tasks(std::size_t user, const CubesOptions& cubes, c
   double sideways = 0.3;
   for (int lift = 0;; ++lift, sideways = -sideways) {
     const double start = CubesScenario::kLiftStart + CubesScenario::kLiftPeriod * lift;
-    // A session too short for a whole lift is cut off within the first one.
+    // A session too short for a whole lift ends within the first one.
     if (lift > 0 && start + CubesScenario::kLiftPeriod > options.seconds) break;
     tasks.push_back(carry_plate(view, side, start + random.uniform(-0.1, 0.1), sideways));
   }

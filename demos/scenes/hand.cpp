@@ -85,7 +85,7 @@ Tremor::Tremor(std::uint64_t seed, double rms)
   const double width = (kMaxHz - kMinHz) / static_cast<double>(kSines);
   for (auto& axis : sines_) {
     for (std::size_t i = 0; i < kSines; ++i) {
-      // A band for each sine keeps frequencies apart, so that the mean square is what it should be.
+      // Each sine has its own band, so that the mean square is exact.
       const double low = kMinHz + width * static_cast<double>(i);
       axis[i].frequency = 2.0 * std::numbers::pi * random.uniform(low, low + width);
       axis[i].phase = random.uniform(0.0, 2.0 * std::numbers::pi);

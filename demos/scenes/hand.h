@@ -10,21 +10,21 @@
 
 namespace tandem::demos {
 
-/// Minimum-jerk progress 10 s^3 - 15 s^4 + 6 s^5 from 0 to 1, held beyond both ends. Velocity and
-/// acceleration are 0 at the ends.
+/// Minimum-jerk progress 10 s^3 - 15 s^4 + 6 s^5 from 0 to 1, constant beyond both ends. Velocity
+/// and acceleration are 0 at the ends.
 double min_jerk(double s);
 /// Largest first and second derivative, 15/8 and 10/sqrt(3).
 inline constexpr double kMinJerkPeak = 1.875;
 inline constexpr double kMinJerkPeakAcceleration = 5.773502691896258;
 
-/// A hand's way: at rest in each knot, on minimum-jerk curves between them.
+/// A hand's path: at rest at each knot, on minimum-jerk curves between them.
 class HandPath {
  public:
-  /// The hand starts at rest at `position` (m, world), at `time` (s).
+  /// Starts at rest at `position` (m, world), at `time` (s).
   HandPath(double time, const pbd::Vec3& position);
-  /// Stay for `duration` s.
+  /// Stays for `duration` s.
   HandPath& wait(double duration);
-  /// Move by `offset` (m) within `duration` s, > 0.
+  /// Moves by `offset` (m) within `duration` s, > 0.
   HandPath& move_by(const pbd::Vec3& offset, double duration);
   HandPath& move_to(const pbd::Vec3& position, double duration);
 
@@ -39,9 +39,9 @@ class HandPath {
   std::vector<Knot> knots_;
 };
 
-/// The minimum-jerk way from one state of motion to another: the fifth-order polynomial that meets
-/// both [flash1985]. Before its start it is where it starts, after its end it goes on as it ends,
-/// without acceleration.
+/// The minimum-jerk path from one state of motion to another: the fifth-order polynomial that meets
+/// both [flash1985]. Before its start it is constant; after its end it continues without
+/// acceleration.
 class MinJerkMove {
  public:
   struct State {
@@ -49,7 +49,7 @@ class MinJerkMove {
     pbd::Vec3 velocity = pbd::Vec3::Zero();      ///< m/s
     pbd::Vec3 acceleration = pbd::Vec3::Zero();  ///< m/s^2
   };
-  /// At rest for ever.
+  /// At rest.
   explicit MinJerkMove(const pbd::Vec3& position);
   /// @param start, end  s, end > start
   MinJerkMove(double start, const State& from, double end, const State& to);
@@ -74,7 +74,7 @@ class Tremor {
 
   /// @param rms  m, of each coordinate
   Tremor(std::uint64_t seed, double rms);
-  /// Offset of the hand (m) at `time` (s); no coordinate is ever above bound().
+  /// Offset of the hand (m) at `time` (s); each coordinate is within bound().
   pbd::Vec3 at(double time) const;
   double bound() const { return amplitude_ * static_cast<double>(kSines); }
 

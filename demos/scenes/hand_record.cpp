@@ -28,7 +28,6 @@ std::string_view kind_text(std::filesystem::file_type kind) {
   return "a device or a socket";
 }
 
-/// One line of a record, word by word.
 class RecordLine {
  public:
   RecordLine(std::string_view file, std::size_t number, std::string_view text)
@@ -53,7 +52,7 @@ class RecordLine {
   Number number(std::string_view field, Number low, Number high, std::string_view rule) {
     const std::string_view text = word();
     Number value{};
-    // Written so that NaN is refused as well.
+    // Written so that NaN is refused too.
     const bool good = pbd::detail::parse_number(text, value) && value >= low && value <= high;
     if (!good) refuse(field, rule, text);
     return value;
@@ -83,7 +82,6 @@ class RecordLine {
   std::string_view rest_;
 };
 
-/// Takes a record's lines in their order.
 class RecordReader {
  public:
   void take(RecordLine& in) {
@@ -194,7 +192,7 @@ HandRecord hand_record_from_text(std::string_view text, std::string_view file) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view line = text.substr(begin, end - begin);
     begin = end + 1;
-    if (line.ends_with('\r')) line.remove_suffix(1);  // as other systems write lines
+    if (line.ends_with('\r')) line.remove_suffix(1);  // line ends of other systems
     if (line.empty() || line.front() == '#') continue;
     RecordLine in(file, number, line);
     reader.take(in);
@@ -204,7 +202,7 @@ HandRecord hand_record_from_text(std::string_view text, std::string_view file) {
 
 HandRecord read_hand_record(const std::string& path) {
   std::error_code ignored;
-  // Not a pipe, which one waits for, nor a folder.
+  // A pipe would block, and a folder cannot be read.
   const std::filesystem::file_status status = std::filesystem::status(path, ignored);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     pbd::detail::refuse(path + ": file", "a regular one", kind_text(status.type()));
@@ -212,7 +210,7 @@ HandRecord read_hand_record(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  // A shorter file sets other bits.
+  // A short read sets fail, not bad.
   if (!file.is_open() || file.bad()) throw std::runtime_error("cannot read " + path);
   text.resize(static_cast<std::size_t>(file.gcount()));
   return hand_record_from_text(text, path);

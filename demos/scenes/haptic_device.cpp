@@ -66,17 +66,17 @@ pbd::Vec3 HapticDevice::next_velocity(const pbd::Vec3& hand, const pbd::Vec3& mo
 pbd::Vec3 HapticDevice::controlled(const pbd::Vec3& hand, const pbd::Vec3& motors) {
   const double cycle = 1.0 / options_.rate;
   const pbd::Vec3 mean = 0.5 * (pen_.velocity + next_velocity(hand, motors));
-  // Where the pen hardly moves nothing can be taken out: it begins a little before, once there was
-  // more.
+  // A pen that hardly moves dissipates nothing: damping begins slightly early, if there was a
+  // reserve.
   constexpr double kReserve = 1e-3;  // J
   const double missing =
       cycle * motors.dot(mean) - energy_ + std::min(kReserve, 0.5 * most_energy_);  // J
   const double square = mean.squaredNorm();
   if (missing <= 0.0 || square <= 0.0) return motors;
-  // More than half of m / cycle, and the damping alone turns the pen back.
+  // Beyond half of m / cycle the damping alone would reverse the pen.
   const double damping = std::min(missing / (cycle * square), 0.5 * options_.mass / cycle);
   pbd::Vec3 result = cut(motors - damping * mean, options_.force_limit);
-  // What damping cannot take out the motors must not give: they do not push the pen along.
+  // The motors must not supply energy that damping cannot remove: no force along the motion.
   const double given = cycle * result.dot(mean);
   if (given > energy_) result -= result.dot(mean) / square * mean;
   taken_out_ += cycle * (motors - result).dot(mean);

@@ -27,7 +27,7 @@ constexpr KindName kKinds[] = {
     {Input::Kind::Signal, "signal", 1},
 };
 
-constexpr double kLongest = 86400.0;  // s, to a signal's time
+constexpr double kLongest = 86400.0;  // s, up to a signal's time
 
 template <class Number>
 void write(std::string& out, Number value) {

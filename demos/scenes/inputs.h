@@ -13,11 +13,11 @@
 
 namespace tandem::demos {
 
-/// One thing that a user did in one step.
+/// One user input in one step.
 struct Input {
   enum class Kind : std::uint8_t {
     Grab,     ///< object: spring; body; values: attachment_l, anchor_w, stiffness, damping, force
-    Hold,     ///< the same, but no other peer knows of the spring
+    Hold,     ///< the same, unknown to other peers
     Move,     ///< object: spring; values: anchor_w
     Release,  ///< object: spring
     Drive,    ///< object: body; values: position, orientation x y z w, at the end of the step
@@ -29,15 +29,14 @@ struct Input {
   Kind kind = Kind::Move;
   std::uint32_t object = 0;
   std::uint32_t body = 0;      ///< index into Scene::bodies
-  std::vector<double> values;  ///< as the kind says, m, N/m, N s/m, N
+  std::vector<double> values;  ///< by kind, in m, N/m, N s/m, N
 };
 
-/// How many values an input of this kind has.
 std::size_t value_count(Input::Kind kind);
-/// What the values must be and are not; empty where they are good.
+/// The rule that the values break; empty if they are valid.
 std::string_view broken_rule(const Input& input);
 
-/// One line for each input, numbers with every bit.
+/// One line per input, numbers with every bit.
 std::string inputs_to_text(std::span<const Input> inputs);
 /// @throws std::invalid_argument naming line and rule
 std::vector<Input> inputs_from_text(const std::string& text);

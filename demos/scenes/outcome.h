@@ -9,10 +9,10 @@
 
 namespace tandem::demos {
 
-/// Named numbers: what somebody achieved. Truths are 0 or 1.
+/// Named results. Booleans are 0 or 1.
 using Outcome = std::vector<std::pair<std::string, double>>;
 
-/// 0 where there is no number of that name.
+/// 0 if no number has that name.
 inline double value_of(const Outcome& outcome, std::string_view name) {
   for (const auto& [known, value] : outcome) {
     if (known == name) return value;
@@ -22,13 +22,13 @@ inline double value_of(const Outcome& outcome, std::string_view name) {
 
 /// An outcome in words.
 struct Achievement {
-  std::string text;    ///< what its users did, as "carried one piano through a maze"
-  std::string name;    ///< of its figure, as "piano arrived"
+  std::string text;    ///< the users' act, as "carried one piano through a maze"
+  std::string name;    ///< name of the figure, as "piano arrived"
   std::string figure;  ///< with its unit, as "after 16.5 s"
-  bool done = true;    ///< whether they did what they were there for
+  bool done = true;    ///< the users reached their goal
 };
 
-/// A number over time, as a user's device measures it.
+/// A number over time, measured by a user's device.
 struct Series {
   std::string name;
   std::vector<double> times;  ///< s since the epoch

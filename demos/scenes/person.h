@@ -13,48 +13,48 @@
 
 namespace tandem::demos {
 
-/// A scripted user with a head and two hands, which others see as shared bodies of its own:
-/// "head/<user>", "hand/<user>/0" (left) and "hand/<user>/1" (right). Hands go on minimum-jerk
-/// ways, tremble, and hold things by three springs each. A person walks by teleporting.
+/// A scripted user with a head and two hands, which others see as shared bodies: "head/<user>",
+/// "hand/<user>/0" (left) and "hand/<user>/1" (right). Hands follow minimum-jerk paths with tremor,
+/// and hold things by three springs each. A person walks by teleporting.
 class Person : public User {
  public:
-  /// One thing to do: called before each step until it returns true.
+  /// One action: called before each step until it returns true.
   using Act = std::function<bool(Person&)>;
 
   Person(std::size_t user, Controls& controls, const UserOptions& options);
   void update(consensus::SessionTime now) override;
   Outcome outcome() const override { return score_; }
 
-  /// Do it after all that was given before. What takes longer than `patience` (s) is given up.
+  /// Appends an action to the script. It is abandoned after `patience` s.
   void then(Act act, double patience = 10.0) { script_.push_back({std::move(act), patience}); }
 
-  // For acts.
+  // For actions.
   std::size_t user() const { return user_; }
   double time() const { return controls_.time(); }
-  /// s since the present act began.
+  /// s since the present action began.
   double acting() const { return time() - act_start_; }
   Random& random() { return random_; }
   const Scene& scene() const { return controls_.scene(); }
-  /// What is seen of a body, a reaction time late.
+  /// The seen state of a body, a reaction time old.
   const pbd::BodyState& seen(std::size_t body) const { return sight_.seen(body); }
-  /// m, where the hand is meant to be now.
+  /// m, intended position of a hand.
   pbd::Vec3 hand(int which) const { return hands_[index(which)].move.at(time()).position; }
-  /// Move a hand there within `duration` s from now, or longer, so that it need not hurry.
+  /// Moves a hand there within `duration` s, or longer to keep within the speed limits.
   void reach(int which, const pbd::Vec3& to, double duration);
-  /// The same, but arrive there at that velocity (m/s).
+  /// The same, but arriving at that velocity (m/s).
   void swing(int which, const pbd::Vec3& to, const pbd::Vec3& velocity, double duration);
   bool arrived(int which) const { return time() >= hands_[index(which)].move.end(); }
-  /// Hold a body where the hand is. @param load  kg, that this hand will bear
+  /// Holds a body at the hand's position. @param load  kg, carried by this hand
   void grasp(int which, std::size_t body, double load, const pbd::Vec3& spread);
   void let_go(int which) { hands_[index(which)].grip.open(); }
   bool holds(int which) const { return hands_[index(which)].grip.closed(); }
-  /// Stand somewhere else at once, hands and all. @param feet  m, world, on the ground
+  /// Moves at once with head and hands. @param feet  m, world, on the ground
   void teleport(const pbd::Vec3& feet);
   void add_score(const std::string& name, double value);
 
  private:
-  static constexpr double kMaxStretch = 0.4;  ///< m: let go beyond
-  // Peaks of a hand's way where nothing is thrown: 0.2 m take 0.54 s, 0.5 m 0.85 s, 1 m 1.6 s.
+  static constexpr double kMaxStretch = 0.4;  ///< m: released beyond it
+  // Peaks of a hand's motion except for throws: 0.2 m take 0.54 s, 0.5 m 0.85 s, 1 m 1.6 s.
   static constexpr double kMaxSpeed = 1.2;         ///< m/s
   static constexpr double kMaxAcceleration = 4.0;  ///< m/s^2
   struct Step {

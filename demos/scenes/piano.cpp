@@ -18,7 +18,7 @@ namespace {
 using pbd::Vec3;
 
 constexpr double kWall = 0.06;   // m, half its height
-constexpr double kThick = 0.01;  // half that of the walls around
+constexpr double kThick = 0.01;  // half that of the outer walls
 constexpr double kTurned = 0.5 * std::numbers::pi;
 
 collision::Material smooth(double friction) {
@@ -50,7 +50,7 @@ BodySpec piano() {
   spec.pose.position = Vec3(start.x, start.y, 0.0);
   spec.pose.orientation = pbd::Quat(Eigen::AngleAxisd(start.angle, Vec3::UnitZ()));
   spec.material = smooth(0.0);
-  // What the castors take.
+  // Friction of the castors.
   spec.linear_damping = 1.5;
   spec.angular_damping = 3.0;
   return spec;
@@ -78,8 +78,8 @@ class PianoReferee final : public Referee {
 
  private:
   std::size_t piano_;
-  double distance_ = 0.0;       ///< m, from the goal, through walls
-  double way_left_ = 0.0;       ///< m, round them
+  double distance_ = 0.0;       ///< m, straight to the goal
+  double way_left_ = 0.0;       ///< m, around the walls
   double delivered_at_ = -1.0;  ///< s
   double steepest_ = 0.0;       ///< rad
 };
@@ -146,7 +146,7 @@ double PianoPath::left_from(const Vec3& position) const {
     const Vec3 from(poses_[i - 1].x, poses_[i - 1].y, position.z());
     const Vec3 way = Vec3(poses_[i].x, poses_[i].y, position.z()) - from;
     const double square = way.squaredNorm();
-    if (square == 0.0) continue;  // it turns there
+    if (square == 0.0) continue;  // a turn in place
     const double s = std::clamp((position - from).dot(way) / square, 0.0, 1.0);
     const double distance = (position - from - s * way).norm();
     if (distance < nearest) {
@@ -169,7 +169,7 @@ Scene PianoScenario::build(const SceneOptions& options) const {
     wall(side * (kPianoArenaX + kThick), 0.0, kThick, kPianoArenaY);
     wall(0.0, side * (kPianoArenaY + kThick), kPianoArenaX + 2.0 * kThick, kThick);
   }
-  // The way round them is an S.
+  // The path around them is an S.
   constexpr double kHalf = 0.5 * kPianoArenaY;
   wall(kPianoWallX[0], -kHalf, kPianoWallHalf, kHalf);
   wall(kPianoWallX[1], kHalf, kPianoWallHalf, kHalf);

@@ -12,7 +12,7 @@ namespace {
 
 using pbd::Vec3;
 
-/// The device loop sees a point of the piano with its velocity.
+/// A point of the piano with its velocity, for the device loop.
 HapticPoint point_of(const pbd::BodyState& state, const Vec3& local) {
   const Vec3 arm = state.pose.orientation * local;
   return {state.pose.position + arm, state.twist.linear + state.twist.angular.cross(arm)};
@@ -41,7 +41,7 @@ void PianoUser::update(consensus::SessionTime /*now*/) {
   const double passed = last_ < 0.0 ? 0.0 : time - last_;
   last_ = time;
   const bool mouse = piano_.mouse && user_ == 1;
-  // The device has run since the last frame on what that frame showed.
+  // Since the last frame the device has run on that frame's proxy.
   if (!mouse) {
     device_.run(passed, hand, proxy_);
     energy_.times.push_back(time);
@@ -71,7 +71,7 @@ void PianoUser::take_hold() {
   const pbd::Pose& pose = controls_.scene().pose(body_);
   consensus::GrabDef def;
   def.attachment_l = piano_handle(user_);
-  // The pen is at the handle by now, within a millimetre or two.
+  // The pen is within a millimetre or two of the handle.
   const bool mouse = piano_.mouse && user_ == 1;
   def.anchor_w = mouse ? pose.to_world(def.attachment_l) : device_.pen().position;
   def.stiffness = piano_.device.coupling_stiffness;
@@ -82,7 +82,7 @@ void PianoUser::take_hold() {
 
 void PianoUser::follow_progress(double time) {
   if (time < kGoAt) return;
-  // Where on the way is the piano, as seen? It is looked for near where it was.
+  // The seen piano's progress on the path, searched near its last value.
   const pbd::Pose& seen = sight_.seen(0).pose;
   const auto distance = [&](double s) {
     double sum = 0.0;
@@ -111,7 +111,7 @@ Vec3 PianoUser::meant(double time) {
   const double height = controls_.scene().bodies[body_].start.z() + piano_handle(user_).z();
   Vec3 hand = path_.handle(user_, progress_, height);
   if (piano_.tug) {
-    // Apart and together again, 5 cm, for as long as the session lasts.
+    // Apart and together again by 5 cm, until the session ends.
     hand = path_.handle(user_, 0.0, height);
     const double phase = std::sin(std::max(0.0, time - kGoAt) * 2.0 * std::numbers::pi / 4.0);
     hand.y() += (user_ == 0 ? -0.05 : 0.05) * phase;

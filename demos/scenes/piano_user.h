@@ -9,9 +9,9 @@
 
 namespace tandem::demos {
 
-/// One of two who move the piano. They take hold of their end and go the way through the maze no
-/// faster than they see the piano follow. With a haptic device the hand's end of the spring
-/// is where the device's pen is; with a mouse it is where the cursor is.
+/// One of two users who move the piano. They grasp their end and follow the path through the maze
+/// no faster than the seen piano. The hand's end of the spring is the pen of a haptic device, or
+/// the cursor of a mouse.
 class PianoUser final : public User {
  public:
   PianoUser(std::size_t user, const PianoOptions& piano, Controls& controls,
@@ -23,7 +23,7 @@ class PianoUser final : public User {
  private:
   static constexpr double kGraspAt = 1.5;  ///< s
   static constexpr double kGoAt = 2.5;
-  static constexpr double kLead = 0.7;  ///< s, of the hand before the piano as it is seen
+  static constexpr double kLead = 0.7;  ///< s, lead of the hand over the seen piano
 
   pbd::Vec3 meant(double time);
   void follow_progress(double time);
@@ -36,15 +36,15 @@ class PianoUser final : public User {
   Sight sight_;
   Tremor tremor_;
   PianoPath path_;
-  pbd::Vec3 home_;  ///< m, where the hand waits at first
+  pbd::Vec3 home_;  ///< m, the hand's waiting position
   HapticDevice device_;
   std::optional<std::uint32_t> spring_;
-  std::optional<HapticPoint> proxy_;  ///< as the last frame showed it
+  std::optional<HapticPoint> proxy_;  ///< of the last frame
   Series energy_;                     ///< J, of the passivity observer
   Series force_;                      ///< N, of the motors
   double last_ = -1.0;                ///< s, time of the last update
   double progress_ = 0.0;             ///< s on the path, of the hand
-  double seen_progress_ = 0.0;        ///< s on the path, of the piano as seen
+  double seen_progress_ = 0.0;        ///< s on the path, of the seen piano
   double done_at_ = -1.0;             ///< s
 };
 

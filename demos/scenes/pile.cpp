@@ -17,7 +17,7 @@ namespace {
 
 using pbd::Vec3;
 
-/// How far the big cube came, and how many small ones it took along or threw up.
+/// Distance rolled by the big cube, and small cubes that it took along or threw up.
 class PileReferee final : public Referee {
  public:
   PileReferee(const PileOptions& pile, const Scene& scene)
@@ -48,14 +48,14 @@ class PileReferee final : public Referee {
   double highest_ = 0.0;   ///< m
 };
 
-/// Hold the big cube at one end of its axis (side -1 or +1) and carry that end along x.
+/// Holds the big cube at one end of its axis (side -1 or +1) and carries that end along x.
 HandTask roll(const PileOptions& pile, const Scene& scene, double side, double start, double way) {
   HandTask task;
   task.start = start;
   task.plan = [&scene, pile, side, way]() -> std::optional<HandPlan> {
     const std::size_t big = scene.index_of("big");
     const Vec3 end = scene.pose(big).to_world(Vec3(0.0, 0.5 * side * pile.big_edge, 0.0));
-    // Half way between a cube that lies on a face and one that stands on an edge.
+    // Mean rise of a cube that rolls from face to edge.
     const double lift = 0.1 * pile.big_edge;
     HandPath path(0.0, end);
     path.wait(0.3)
@@ -63,7 +63,7 @@ HandTask roll(const PileOptions& pile, const Scene& scene, double side, double s
         .move_by(Vec3(way, 0.0, 0.0), PileScenario::kRoll)
         .move_by(Vec3(0.0, 0.0, -lift), 0.5)
         .wait(0.2);
-    // A narrow grip, so that the cube may turn in it.
+    // A narrow grip, so that the cube can turn in it.
     const Vec3 spread(0.02 * pile.big_edge, 0.0, 0.02 * pile.big_edge);
     return HandPlan{big, GripSpec::for_load(scene.mass(big), spread), path};
   };

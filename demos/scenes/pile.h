@@ -8,7 +8,7 @@
 
 namespace tandem::demos {
 
-/// Measures of the scene "pile".
+/// Dimensions of the scene "pile".
 struct PileOptions {
   int rows = 30;           ///< small cubes in each direction
   double edge = 0.1;       ///< m, of a small cube
@@ -22,18 +22,18 @@ struct PileOptions {
 };
 
 /// Small cubes in a square on the ground around the origin, and a big one beside them: 901 bodies,
-/// as many as in the demonstration that states were first sent by priority for
+/// the number in the demonstration of sending states by priority
 /// (docs/history/network-figures.md). Names: "big", "small/<row>/<column>".
 ///
-/// Both users hold the big cube, one at each end of an axis that it can turn about, and roll it
-/// through the small ones, there and back; then they let go and all comes to rest.
+/// Both users hold the big cube at the ends of an axis that it can turn about, and roll it through
+/// the small ones and back; then they let go.
 class PileScenario final : public Scenario {
  public:
-  static constexpr double kStart = 1.5;  ///< s, the first roll
+  static constexpr double kStart = 1.5;  ///< s, first roll
   static constexpr double kRoll = 6.0;   ///< s, one way
-  static constexpr double kBack = 10.0;  ///< s, the second
+  static constexpr double kBack = 10.0;  ///< s, roll back
 
-  /// @throws std::invalid_argument where the options are not valid
+  /// @throws std::invalid_argument if the options are not valid
   explicit PileScenario(const PileOptions& options = {});
 
   const PileOptions& options() const { return options_; }

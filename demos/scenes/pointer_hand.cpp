@@ -16,7 +16,7 @@ pbd::Vec3 at_most(const pbd::Vec3& way, double length) {
 }  // namespace
 
 void PointerHand::follow(const pbd::Vec3& wanted, const pbd::Vec3& held, double dt) {
-  // A critically damped spring pulls it to the pointer: its exact motion over a step.
+  // A critically damped spring pulls the hand to the pointer: its exact motion over a step.
   constexpr double kRate = 1.0 / kSmooth;
   const pbd::Vec3 behind = smooth_ - wanted;
   const pbd::Vec3 drift = (velocity_ + kRate * behind) * dt;

@@ -6,32 +6,31 @@
 
 namespace tandem::demos {
 
-/// Where the hand of a mouse or finger is, given where the pointer is: as pages of rooms have it
-/// (tools/room/page/hand.js). It does not leap, and a long pull tows and does not throw.
+/// The position of a hand that follows a mouse or finger, as in the rooms' page
+/// (tools/room/page/hand.js). It does not jump, and a long pull tows instead of throwing.
 class PointerHand {
  public:
-  /// s. A pointer moves in steps, one for each picture, and others would carry each on as if it
-  /// lasted. With records of pointers in `cubes`, profile 3, copies of what moves are 8 mm apart in
-  /// place of 17 (p95) and jump 181 times a minute in place of 1150; with 0.02 s 10 mm and 277,
-  /// with 0.05 s 7 mm and 76. The hand is late by twice as much.
+  /// s. A pointer moves in steps, once per picture, and other peers would extrapolate each step.
+  /// With recorded pointers in `cubes`, profile 3, copies of moving bodies are 8 mm apart instead
+  /// of 17 (p95) and pop 181 times a minute instead of 1150; 0.02 s: 10 mm and 277, 0.05 s: 7 mm
+  /// and 76. The hand lags by twice this time.
   static constexpr double kSmooth = 0.03;
   static constexpr double kFastest = 2.0;  ///< m/s
-  /// m, from the point that it holds. A spring as stiff as single_spring() pulls with all its force
-  /// from 4 cm on; a hand that is farther ahead would pull on after the body has come to where the
-  /// pointer wants it.
+  /// m, from the held point. A spring as stiff as single_spring() reaches its maximum force at 4
+  /// cm; a hand farther ahead would keep pulling after the body reached the pointer.
   static constexpr double kReach = 0.1;
 
   /// @param at  m, world
   explicit PointerHand(const pbd::Vec3& at = pbd::Vec3::Zero()) : smooth_(at), anchor_(at) {}
 
-  /// A step on. @param wanted  m, world: the pointer @param held  m, world: the point that it holds
+  /// One step. @param wanted  m, world: the pointer @param held  m, world: the held point
   void follow(const pbd::Vec3& wanted, const pbd::Vec3& held, double dt);
   /// m, world.
   const pbd::Vec3& anchor() const { return anchor_; }
 
  private:
-  pbd::Vec3 smooth_;                        ///< m, world: the pointer without its steps
-  pbd::Vec3 velocity_ = pbd::Vec3::Zero();  ///< m/s, of that
+  pbd::Vec3 smooth_;                        ///< m, world: the smoothed pointer
+  pbd::Vec3 velocity_ = pbd::Vec3::Zero();  ///< m/s, of smooth_
   pbd::Vec3 anchor_;
 };
 

@@ -10,7 +10,7 @@ namespace tandem::demos {
 
 using Random = pbd::SplitMix64;
 
-/// A seed of its own for each use of one seed: `stream` tells the uses apart.
+/// An independent seed for each use of one seed: `stream` distinguishes the uses.
 inline std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t stream) {
   return Random(seed * 0x2545f4914f6cdd1dull + stream).next();
 }

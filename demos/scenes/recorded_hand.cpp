@@ -11,11 +11,11 @@ namespace tandem::demos {
 
 namespace {
 
-/// What each hold of the record holds in this scene.
+/// The scene's body for each hold of the record.
 std::vector<std::size_t> held_bodies(const HandRecord& record, const Scene& scene,
                                      const std::vector<std::size_t>& holdable, std::size_t user,
                                      std::size_t users) {
-  std::vector<std::string> names;  // new ones in their order
+  std::vector<std::string> names;  // distinct names in order of appearance
   std::vector<std::size_t> result;
   for (const HandRecord::Hold& hold : record.holds) {
     const auto same = std::find_if(holdable.begin(), holdable.end(), [&](std::size_t body) {

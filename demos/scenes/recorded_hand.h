@@ -12,24 +12,23 @@
 
 namespace tandem::demos {
 
-/// A user whose one hand does what a record has, by the springs of a room's page.
+/// A user whose one hand replays a record, with the springs of a room's page.
 ///
-/// It holds the scene's body of the recorded name. Where there is none, the n-th new name of the
-/// record is number n * users + user of what hands may hold there, and after the last comes the
-/// first. It holds it at the recorded point, or where that is outside, at the nearest one of the
-/// box about the body. From there it moves as the recorded hand did from where that one grabbed,
-/// times the scene's scale; both as axes of the world have it.
+/// It holds the scene's body of the recorded name. If there is none, the n-th new name of the
+/// record becomes number n * users + user of the holdable bodies, cyclically. It holds the body at
+/// the recorded point, or at the nearest point of its bounding box. From there it moves as the
+/// recorded hand did from its grab, times the scene's scale; both along the world's axes.
 class RecordedHand final : public User {
  public:
-  static constexpr double kPatience = 0.5;  ///< s: later than this a hold is left out
-  // As the page has it (tools/room/page/hand.js).
+  static constexpr double kPatience = 0.5;  ///< s: a hold that is later is skipped
+  // The same values as the page (tools/room/page/hand.js).
   static constexpr double kLowest = 0.02;    ///< m, above the ground
   static constexpr double kStrength = 40.0;  ///< N/kg
-  static constexpr double kFullAt = 0.04;    ///< m, from where on it pulls with all its force
+  static constexpr double kFullAt = 0.04;    ///< m, stretch at maximum force
   static constexpr double kDampingRatio = 0.7;
 
   /// The controls must outlive it.
-  /// @throws std::invalid_argument where there is nothing that hands may hold
+  /// @throws std::invalid_argument if the scene has nothing to hold
   RecordedHand(std::size_t user, const Scenario& scenario, Controls& controls, HandRecord record);
   void update(consensus::SessionTime now) override;
   Outcome outcome() const override;
@@ -42,13 +41,13 @@ class RecordedHand final : public User {
   Controls& controls_;
   HandRecord record_;
   pbd::Vec3 scale_;
-  std::vector<std::size_t> bodies_;  ///< of each hold: index into Scene::bodies
-  std::size_t next_ = 0;             ///< the hold that is on, or is to come
+  std::vector<std::size_t> bodies_;  ///< per hold: index into Scene::bodies
+  std::size_t next_ = 0;             ///< the present or next hold
   bool closed_ = false;
-  std::size_t done_ = 0;                        ///< holds carried through
+  std::size_t done_ = 0;                        ///< completed holds
   std::optional<std::uint32_t> spring_;         ///< of Controls
   pbd::Vec3 attachment_l_ = pbd::Vec3::Zero();  ///< m, frame of the body
-  pbd::Vec3 grabbed_w_ = pbd::Vec3::Zero();     ///< m, world: where the hand grabbed
+  pbd::Vec3 grabbed_w_ = pbd::Vec3::Zero();     ///< m, world: the hand at the grab
   PointerHand hand_;
 };
 

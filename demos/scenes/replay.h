@@ -10,13 +10,12 @@
 
 namespace tandem::demos {
 
-/// Does what was recorded.
 class InputPlayer {
  public:
   /// Must outlive it.
   explicit InputPlayer(Controls& controls) : controls_(controls) {}
-  /// Now. Springs have the numbers that they had when they were recorded.
-  /// @pre the input's body is one of the scene's, its values keep their rules
+  /// Plays an input now. Springs are named by their recorded numbers.
+  /// @pre the input's body is in the scene, its values are valid
   /// @throws as Controls
   void play(const Input& input);
 
@@ -25,11 +24,11 @@ class InputPlayer {
   std::map<std::uint32_t, std::uint32_t> springs_;  ///< recorded number to live one
 };
 
-/// Does what another user was recorded to do, whatever it sees. With the same step times every
-/// input comes in the step it was recorded in; else in the first step that begins later.
+/// Replays another user's inputs without looking. With the same step times each input comes in its
+/// recorded step; otherwise in the first step that begins later.
 class ReplayUser final : public User {
  public:
-  /// @param inputs  of any users, by time; those of `user` count
+  /// @param inputs  of any users, by time; only those of `user` are played
   ReplayUser(std::size_t user, std::span<const Input> inputs, Controls& controls);
   void update(consensus::SessionTime now) override;
 

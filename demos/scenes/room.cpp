@@ -31,7 +31,7 @@ void add(SceneBuilder& builder, const std::string& name, const collision::Shape&
   builder.add(std::move(spec));
 }
 
-/// A pyramid of six sides without its tip; the base is at z = 0.
+/// A truncated pyramid with six sides; the base is at z = 0.
 collision::Hull hull_toy() {
   std::vector<Vec3> points;
   for (int i = 0; i < 6; ++i) {
@@ -43,11 +43,11 @@ collision::Hull hull_toy() {
   return collision::ConvexHull::make(points);
 }
 
-/// A seat on two boards; its middle is that of the seat.
+/// A seat on two boards; its origin is the seat's centre.
 BodySpec bench() {
   BodySpec spec;
   spec.name = "bench";
-  constexpr double kSeat = 0.02;  // half its thickness
+  constexpr double kSeat = 0.02;  // half thickness
   spec.parts.resize(3);
   spec.parts[0].shape = collision::Box{Vec3(0.6, 0.15, kSeat)};
   const double leg = 0.5 * (RoomScenario::kBench - 2.0 * kSeat);
@@ -78,7 +78,7 @@ void add_avatar(SceneBuilder& builder, std::size_t user) {
   part("hand/" + number + "/1", 0.05, Vec3(2.0 * side - 0.3 * side, -1.8 - 0.2 * side, 1.1));
 }
 
-/// How many of box, block 0, 1, .. stand on each other, from the box.
+/// Number of blocks 0, 1, .. stacked in order on the box.
 double standing(const Scene& scene) {
   double count = 0.0;
   Vec3 below = scene.pose(scene.index_of("toy/box")).position;

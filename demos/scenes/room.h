@@ -10,8 +10,8 @@ namespace tandem::demos {
 /// and a shelf that do not move, a bench that takes two to carry. On the tables: "toy/box",
 /// "toy/hull", "toy/cylinder" and "block/0" to "block/3". Avatars: see Person.
 ///
-/// A hands the box to B, who puts it on its own table; both carry the bench; B stacks blocks on the
-/// box while A throws the cylinder across the room and puts the hull on the shelf. They walk by
+/// A hands the box to B, who puts it on their own table; both carry the bench; B stacks blocks on
+/// the box while A throws the cylinder across the room and puts the hull on the shelf. They walk by
 /// teleporting.
 class RoomScenario final : public Scenario {
  public:

@@ -45,7 +45,7 @@ void walk(Person& me, const Vec3& feet) {
   me.then(pause(0.3));
 }
 
-/// Move the right hand to where `where` says, as it is when the hand sets out.
+/// Moves the right hand to the result of `where` at the start of the motion.
 void reach(Person& me, std::function<Vec3(Person&)> where, double duration) {
   auto set_out = std::make_shared<bool>(false);
   me.then([where = std::move(where), duration, set_out](Person& p) {
@@ -85,7 +85,7 @@ std::function<Vec3(Person&)> raised(double height) {
   return [height](Person& p) { return Vec3(p.hand(kRight) + Vec3(0.0, 0.0, height)); };
 }
 
-/// Take a thing, lift it over, and set it down with its middle at `place`.
+/// Grasps a body, lifts it over, and sets it down with its centre at `place`.
 void carry(Person& me, const std::string& name, const Vec3& place) {
   reach(me, place_of(me, name), 0.5);
   grasp(me, name, 1.0, kSpread);
@@ -99,7 +99,7 @@ void carry(Person& me, const std::string& name, const Vec3& place) {
   reach(me, raised(0.2), 0.3);
 }
 
-/// Whether somebody's right hand is seen near what is mine, or near a place on the bench.
+/// True if the right hand of user `whose` is seen near `place`.
 bool hand_near(Person& me, std::size_t whose, const Vec3& place, double distance) {
   const std::size_t hand = me.scene().index_of("hand/" + std::to_string(whose) + "/1");
   return (me.seen(hand).pose.position - place).norm() < distance;
@@ -141,11 +141,11 @@ void take_over(Person& me) {
   reach(me, raised(0.2), 0.5);
 }
 
-/// Both take an end of the bench, wait for each other, lift it, carry it and set it down.
+/// Both grasp an end of the bench, wait for each other, lift it, carry it and set it down.
 void carry_bench(Person& me) {
   const double side = me.user() == 0 ? -1.0 : 1.0;
   const std::size_t bench = me.scene().index_of("bench");
-  // The middle of the bench is below its seat.
+  // The bench's centre of mass is below its seat.
   const double seat = RoomScenario::kBench - me.scene().bodies[bench].start.z();
   const auto end_of = [bench, seat](double which) {
     return [bench, seat, which](Person& p) {
@@ -167,7 +167,7 @@ void carry_bench(Person& me) {
   reach(me, raised(0.4), 0.5);
 }
 
-/// Swing the cylinder and let it fly towards +x.
+/// Swings the cylinder and releases it towards +x.
 void throw_cylinder(Person& me) {
   reach(me, place_of(me, "toy/cylinder"), 0.8);
   grasp(me, "toy/cylinder", 1.0, kSpread);

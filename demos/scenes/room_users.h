@@ -6,7 +6,7 @@
 
 namespace tandem::demos {
 
-/// Give user A (0) or B (1) of the room its script.
+/// Gives user A (0) or B (1) of the room its script.
 void room_script(Person& person);
 
 }  // namespace tandem::demos

@@ -10,10 +10,9 @@
 
 namespace tandem::demos {
 
-/// One of the demos' scenarios by its name. @param variant  "" = its default
-/// @return null where there is none of that name, or no such variant of it
+/// A demo's scenario by its name. @param variant  "" = its default
+/// @return null if there is no such name or variant
 std::unique_ptr<Scenario> make_scenario(const std::string& name, const std::string& variant = "");
-/// Their names, for people.
 inline constexpr std::string_view kScenarioNames = "cliff, cubes, piano, pile, room, tennis";
 
 }  // namespace tandem::demos

@@ -27,7 +27,7 @@ std::uint64_t scene_hash(const Scene& scene) {
     out.u64(body.id.low);
     out.vec3(body.half_extents);
     out.vec3(body.start);
-    // Whose hand moves it has no mass.
+    // An owned body has no mass at its owner's peer.
     out.f64(body.owner ? 0.0 : scene.world->props(body.body).mass);
   }
   return pbd::hash_bytes(bytes);

@@ -15,34 +15,32 @@
 
 namespace tandem::demos {
 
-/// How one peer's copy of a scene differs from another's.
+/// Differences between one peer's copy of a scene and another's.
 struct SceneOptions {
   std::uint64_t order_seed = 0;  ///< shuffles the order in which bodies are added; 0 = as listed
-  std::uint64_t noise_seed = 0;  ///< draws the start-up noise; 0 = none
+  std::uint64_t noise_seed = 0;  ///< seed of the start-up noise; 0 = none
   double noise = 1e-4;           ///< m, each coordinate of a shared body starts within +- this
-  std::uint64_t users = ~std::uint64_t{0};  ///< bit u: user u sits at this peer
+  std::uint64_t users = ~std::uint64_t{0};  ///< bit u: user u is at this peer
 };
 
-/// A solid of a body.
 struct ScenePart {
   collision::Shape shape;
   pbd::Pose local;  ///< in the frame of the body
 };
 
-/// A shared body of a scene.
 struct SceneBody {
   std::string name;
   consensus::SharedId id;                      ///< of the name
   pbd::BodyId body;                            ///< in this peer's world
   std::vector<ScenePart> parts;                ///< about the centre of mass
-  pbd::Vec3 half_extents = pbd::Vec3::Zero();  ///< m, of the box about the parts
+  pbd::Vec3 half_extents = pbd::Vec3::Zero();  ///< m, of the bounding box of the parts
   pbd::Vec3 start = pbd::Vec3::Zero();         ///< m, world, without noise
   bool collides = true;
-  /// The user whose hand moves it, alone. There it is kinematic; elsewhere it follows.
+  /// The user whose hand moves it, alone. It is kinematic there and follows elsewhere.
   std::optional<std::size_t> owner;
 };
 
-/// What does not move and is not shared.
+/// A static shape that is not shared.
 struct FixedPart {
   collision::Shape shape;
   pbd::Pose pose;  ///< world
@@ -53,9 +51,9 @@ struct Scene {
   std::unique_ptr<pbd::World> world;
   std::unique_ptr<collision::CollisionScene> contacts;  ///< the world's contact source
   std::vector<SceneBody> bodies;  ///< in the same order at all peers, whatever the worlds' order
-  std::vector<FixedPart> fixed;   ///< likewise
+  std::vector<FixedPart> fixed;   ///< in the same order at all peers
 
-  /// @throws std::invalid_argument where there is no body of that name
+  /// @throws std::invalid_argument if no body has that name
   const SceneBody& body(std::string_view name) const { return bodies[index_of(name)]; }
   std::size_t index_of(std::string_view name) const;
   const pbd::Pose& pose(const SceneBody& body) const { return world->pose(body.body); }
@@ -69,7 +67,7 @@ class BodiesBySlot {
  public:
   BodiesBySlot() = default;
   explicit BodiesBySlot(const Scene& scene);
-  /// Its index into Scene::bodies; BodyId::kNone where it is not shared.
+  /// Its index into Scene::bodies; BodyId::kNone if it is not shared.
   std::uint32_t index_of(const pbd::BodyId& body) const {
     return body.index < indices_.size() ? indices_[body.index] : pbd::BodyId::kNone;
   }
@@ -81,23 +79,22 @@ class BodiesBySlot {
 /// A hash that peers compare before they play together: names and sizes of the shared bodies.
 std::uint64_t scene_hash(const Scene& scene);
 
-/// A shared body, as it is asked for.
 struct BodySpec {
   std::string name;
-  std::vector<ScenePart> parts;  ///< in a frame of their own, which need not be in the centre
+  std::vector<ScenePart> parts;  ///< in a frame with any origin
   double mass = 1.0;             ///< kg, of a homogeneous body
   pbd::Pose pose;                ///< of the parts' frame, world
   collision::Material material;
   collision::Filter filter;
-  bool collides = true;  ///< false: it is seen and touches nothing
+  bool collides = true;  ///< false: visible without contacts
   bool bullet = false;
   double linear_damping = 0.0;       ///< 1/s
   double angular_damping = 0.0;      ///< 1/s
-  bool held_up = false;              ///< stands in the air until let_fall()
+  bool held_up = false;              ///< is held in the air until let_fall()
   std::optional<std::size_t> owner;  ///< see SceneBody
 };
 
-/// One shape in the middle of the parts' frame.
+/// One shape at the origin of the parts' frame.
 inline std::vector<ScenePart> one_part(const collision::Shape& shape) {
   std::vector<ScenePart> parts(1);
   parts.front().shape = shape;
@@ -109,16 +106,15 @@ inline pbd::Pose upright_at(double x, double y, double z) {
   return {pbd::Vec3(x, y, z), pbd::Quat::Identity()};
 }
 
-/// Let a body that was held up fall since `age` (s) ago: it is where it would be by now.
+/// Drops a held body, effective `age` (s) ago: it moves to where it would be by now.
 void let_fall(Scene& scene, std::size_t body, double age);
 
-/// Fills a scene with bodies, in an order of its own.
+/// Fills a scene with bodies, in shuffled order.
 class SceneBuilder {
  public:
   void add(BodySpec spec) { bodies_.push_back(std::move(spec)); }
   /// A box. @param size  full edge lengths, m     @param mass  kg     @param centre  m, world
   void box(std::string name, const pbd::Vec3& size, double mass, const pbd::Vec3& centre);
-  /// Something that does not move.
   void fix(collision::Shape shape, const pbd::Pose& pose, const collision::Material& material = {});
   /// The half-space normal . x <= offset. @param normal  unit     @param offset  m
   void half_space(const pbd::Vec3& normal, double offset, const collision::Material& material = {});
@@ -127,9 +123,9 @@ class SceneBuilder {
     half_space(pbd::Vec3::UnitZ(), 0.0, material);
   }
 
-  /// @throws std::invalid_argument where a part, a mass or a name is not valid
+  /// @throws std::invalid_argument if a part, a mass or a name is not valid
   Scene build(const SceneOptions& options) const;
-  /// The same on a ground. @param friction  of the ground and of all that box() adds
+  /// Adds a ground first. @param friction  of the ground and of all box() bodies
   Scene build(const SceneOptions& options, double friction) const;
 
  private:

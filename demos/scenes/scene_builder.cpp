@@ -46,7 +46,7 @@ collision::MassProperties mass_of(const std::vector<ScenePart>& parts) {
   return sum;
 }
 
-/// m, of the box along the shape's axes.
+/// m, bounding box in the shape's frame.
 collision::Aabb bounds_of(const collision::Shape& shape) {
   const auto about = [](const pbd::Vec3& half) { return collision::Aabb{-half, half}; };
   if (const auto* s = std::get_if<collision::Sphere>(&shape)) {
@@ -67,7 +67,7 @@ collision::Aabb bounds_of(const collision::Shape& shape) {
   return {};
 }
 
-/// m, half of the box about all parts, from the common origin.
+/// m, half extents about the common origin of a box around all parts.
 pbd::Vec3 reach_of(const std::vector<ScenePart>& parts) {
   pbd::Vec3 reach = pbd::Vec3::Zero();
   for (const ScenePart& part : parts) {
@@ -79,7 +79,7 @@ pbd::Vec3 reach_of(const std::vector<ScenePart>& parts) {
   return reach;
 }
 
-/// The shared body of a spec, without an instance yet. The parts move into the centre of mass.
+/// The shared body of a spec, not yet in a world. The parts are recentred on the centre of mass.
 SceneBody body_of(const BodySpec& spec, const collision::MassProperties& mass) {
   SceneBody body;
   body.name = spec.name;
@@ -156,7 +156,7 @@ Scene SceneBuilder::build(const SceneOptions& options) const {
   scene.bodies.resize(bodies_.size());
   for (const Fixed& fixed : fixed_) scene.fixed.push_back(fixed.part);
 
-  // One draw for each body in the listed order, so that noise and order do not depend on another.
+  // One draw per body in the listed order, so that noise does not depend on the shuffled order.
   std::vector<pbd::Vec3> noise(bodies_.size(), pbd::Vec3::Zero());
   Random random(options.noise_seed);
   if (options.noise_seed != 0) {
@@ -167,8 +167,8 @@ Scene SceneBuilder::build(const SceneOptions& options) const {
     }
   }
 
-  // What does not move takes the slots after the bodies and is shuffled with them. Whatever the
-  // order, all is solved alike at all peers.
+  // Static bodies are numbered after the shared ones and shuffled with them. The solver's order
+  // does not depend on it.
   for (const std::size_t i : shuffled(bodies_.size() + fixed_.size(), options.order_seed)) {
     collision::ColliderDef collider;
     if (i >= bodies_.size()) {

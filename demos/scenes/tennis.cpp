@@ -20,7 +20,7 @@ constexpr std::uint32_t kRacketBit = 4;
 
 collision::Material bouncing(double restitution) {
   collision::Material material;
-  material.friction = 0.0;  // the players reckon without spin
+  material.friction = 0.0;  // the players calculate without spin
   material.restitution = restitution;
   material.friction_rule = collision::Combine::Minimum;
   return material;
@@ -32,7 +32,7 @@ BodySpec racket(const TennisCourt& court, std::size_t user) {
   spec.parts =
       one_part(collision::Box{Vec3(court.blade_thick, court.blade_half, court.blade_half)});
   spec.pose.position = tennis_home(court, user);
-  spec.mass = 5.0;  // where it follows, a ball does not push it away
+  spec.mass = 5.0;  // heavy enough to follow the hand against a ball
   spec.material = bouncing(court.blade_bounce);
   spec.filter.category = kRacketBit;
   spec.filter.mask = kBallBit;
@@ -55,7 +55,7 @@ BodySpec ball(const TennisCourt& court, int number) {
   return spec;
 }
 
-/// Counts hits, rallies and balls that got through a blade.
+/// Counts hits, rallies and balls that passed through a blade.
 class TennisReferee final : public Referee {
  public:
   TennisReferee(const TennisCourt& court, const Scene& scene) : court_(court) {
@@ -94,7 +94,7 @@ class TennisReferee final : public Referee {
       }
       ball.seen = true;
       ball.velocity = state.twist.linear;
-      // Over once it is below the table.
+      // The rally ends below the table.
       if (state.pose.position.z() < court_.height - 0.1) ball.rally = 0.0;
     }
   }
@@ -110,14 +110,14 @@ class TennisReferee final : public Referee {
  private:
   struct Ball {
     std::size_t body = 0;
-    bool seen = false;  ///< in play before
+    bool seen = false;  ///< was in play before
     Vec3 velocity = Vec3::Zero();
     std::array<Vec3, 2> local{Vec3::Zero(),
                               Vec3::Zero()};  ///< m, in the frame of each blade, at the last step
     double rally = 0.0;                       ///< hits
   };
 
-  /// From the one side of the blade to the other, through its middle.
+  /// From one side of the blade to the other, through its middle.
   bool got_through(const Vec3& from, const Vec3& to) const {
     if (from.x() * to.x() >= 0.0) return false;
     const double s = from.x() / (from.x() - to.x());
@@ -130,7 +130,7 @@ class TennisReferee final : public Referee {
   std::array<std::size_t, 2> rackets_{};
   std::vector<Ball> balls_;
   double served_ = 0.0, hits_ = 0.0, longest_ = 0.0, through_ = 0.0;
-  double through_own_ = 0.0;  ///< through the racket of a user who sits here
+  double through_own_ = 0.0;  ///< through the racket of a local user
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 namespace tandem::demos {
 
-/// Measures of a game of table tennis. The table stands along x, its middle above the origin.
+/// Dimensions of a table tennis game. The table is along x, centred above the origin.
 struct TennisCourt {
   double half_length = 1.37;   ///< m, of the table, along x
   double half_width = 0.7625;  ///< m, along y
@@ -15,16 +15,16 @@ struct TennisCourt {
   double ball_radius = 0.02;   ///< m
   double ball_mass = 0.0027;   ///< kg
   double blade_half = 0.08;    ///< m, of the square blade
-  double blade_thick = 0.01;   ///< m, half of it
+  double blade_thick = 0.01;   ///< m, half thickness
   double table_bounce = 0.88;  ///< restitution
   double blade_bounce = 0.75;
-  double hold_height = 1.5;  ///< m, where balls wait
-  double serve_x = 1.25;     ///< m, on the side of who serves them
+  double hold_height = 1.5;  ///< m, where waiting balls are held
+  double serve_x = 1.25;     ///< m, on the server's side
 };
 
-/// Two users play table tennis, after [friston] Sec. 5.3. Each owns a racket; the balls are
-/// shared. User A (0) plays at -x. Balls wait in the air; ball k is served by user k % 2, who lets
-/// it fall by a signal and hits it after it has bounced. Names: "racket/<user>", "ball/<number>".
+/// Two users play table tennis, after [friston] Sec. 5.3. Each owns a racket; the balls are shared.
+/// User A (0) plays at -x. Balls wait in the air; user k % 2 serves ball k: drops it by a signal
+/// and hits it after it has bounced. Names: "racket/<user>", "ball/<number>".
 class TennisScenario final : public Scenario {
  public:
   static constexpr int kBalls = 12;
@@ -36,7 +36,7 @@ class TennisScenario final : public Scenario {
   Scene build(const SceneOptions& options) const override;
   std::unique_ptr<User> make_user(std::size_t user, Controls& controls,
                                   const UserOptions& options) const override;
-  /// Code k + 1: ball k falls.
+  /// Code k + 1 drops ball k.
   void on_signal(Scene& scene, const Signal& signal, consensus::SessionTime now) const override;
   Bounds bounds() const override { return {.max_distance = 8.0, .max_speed = 40.0, .lowest = 0.0}; }
   std::unique_ptr<Referee> make_referee(const Scene& scene) const override;
@@ -47,7 +47,7 @@ class TennisScenario final : public Scenario {
   TennisCourt court_;
 };
 
-/// Side of the table at which a user plays: -1 or +1.
+/// The user's side of the table: -1 or +1.
 inline double tennis_side(std::size_t user) { return user == 0 ? -1.0 : 1.0; }
 
 }  // namespace tandem::demos

@@ -12,7 +12,7 @@ namespace {
 using pbd::Vec3;
 
 constexpr double kGravity = 9.81;
-constexpr double kFastest = 2.0;  // m/s, of a racket, on the average of its way
+constexpr double kFastest = 2.0;  // m/s, mean speed of a racket's move
 constexpr double kLow = 0.05;     // m below the table, where a ball is lost
 
 std::vector<std::size_t> all_balls(const Scene& scene) {
@@ -52,7 +52,7 @@ Stroke stroke_to(const TennisCourt& court, const BallFlight& ball, const Vec3& t
   Stroke stroke;
   stroke.ball = ball.position;
   stroke.normal = change.normalized();
-  // A heavy blade at speed u makes n.(v' - v) = (1 + e) (u - n.v).
+  // A heavy blade at speed u gives n.(v' - v) = (1 + e) (u - n.v).
   stroke.speed = change.norm() / (1.0 + court.blade_bounce) + stroke.normal.dot(ball.velocity);
   return stroke;
 }
@@ -75,11 +75,11 @@ TennisPlayer::TennisPlayer(std::size_t user, const TennisCourt& court, Controls&
 }
 
 void TennisPlayer::draw_target() {
-  // To the partner, so that it goes on.
+  // Towards the partner, to keep the rally going.
   target_ = Vec3(-side_ * random_.uniform(0.65, 0.95), random_.uniform(-0.1, 0.1),
                  court_.height + court_.ball_radius);
   flight_ = random_.uniform(0.55, 0.65);
-  // People do not hit quite what they aim at.
+  // Human aiming error.
   const auto error = [this](double most) { return random_.uniform(-most, most); };
   aim_error_ = Vec3(error(0.01), error(0.01), error(0.01));
 }
@@ -114,7 +114,7 @@ std::optional<std::size_t> TennisPlayer::ball_in_play() const {
 }
 
 void TennisPlayer::serve(double time) {
-  // A ball that lies on the table, or that the peers cannot agree on, is out of play as well.
+  // A ball that rests on the table, or that the peers cannot agree on, is out of play too.
   const std::optional<std::size_t> ball = ball_in_play();
   if (ball && sight_.seen(*ball).twist.linear.norm() > 0.2) quiet_since_ = time;
   if (time < next_serve_ || time < quiet_since_ + 0.5) return;
@@ -152,10 +152,10 @@ void TennisPlayer::plan(double time) {
 std::optional<Stroke> TennisPlayer::find_stroke(std::size_t ball, double time) {
   const pbd::BodyState& seen = sight_.seen(ball);
   BallFlight flight{seen.pose.position, seen.twist.linear, 0};
-  // Mine to serve: it falls and leaps beside me.
+  // The own serve: the ball falls and bounces beside this player.
   const bool own_serve = std::abs(flight.velocity.x()) < 0.5 && flight.position.x() * side_ > 0.9;
   if (!own_serve && flight.velocity.x() * side_ < 0.5) return std::nullopt;
-  // What fell from rest and rises has bounced before it was seen.
+  // A rising ball that fell from rest has already bounced.
   if (own_serve && flight.velocity.z() > 0.0) flight.bounces = 1;
   constexpr double kDt = 0.004;
   const double plane = court_.half_length + 0.12;
@@ -169,7 +169,7 @@ std::optional<Stroke> TennisPlayer::find_stroke(std::size_t ball, double time) {
     const bool falls_back = flight.bounces > 0 && flight.velocity.z() < 0.0 &&
                             flight.position.z() < court_.height + 0.4;
     const bool ready = own_serve ? falls_back : flight.position.x() * side_ > plane;
-    // Who learns of it late takes the ball later, further back.
+    // A player who sees it late takes the ball later, farther back.
     const double left = t + kDt - time;
     if (!ready || left < 0.06 || (flight.position - racket).norm() > kFastest * left) continue;
     Stroke stroke = stroke_to(court_, flight, target_, flight_);
@@ -187,7 +187,7 @@ void TennisPlayer::swing(const Stroke& stroke, double time) {
   meet.velocity = stroke.speed * normal;
   if (stroke_ && std::abs(stroke_->time - stroke.time) < 0.004 &&
       (stroke_->ball - stroke.ball).norm() < 0.005) {
-    return;  // as planned
+    return;  // keeps the plan
   }
   const double part =
       move_.end() > move_.start() ? (time - move_.start()) / (move_.end() - move_.start()) : 1.0;

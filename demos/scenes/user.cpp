@@ -33,7 +33,7 @@ consensus::GrabDef single_spring(double load) {
 void Sight::look(double time) {
   Frame frame;
   if (!frames_.empty() && frames_.size() > 1 && frames_[1].time <= time - reaction_) {
-    frame = std::move(frames_.front());  // its memory serves again
+    frame = std::move(frames_.front());  // reuses its memory
     frames_.pop_front();
   }
   frame.time = time;

@@ -19,38 +19,39 @@
 
 namespace tandem::demos {
 
-/// Somebody who acts on one peer's world and sees nothing else.
+/// A user who acts on one peer's world and sees nothing else.
 class User {
  public:
   virtual ~User() = default;
-  /// Look at the world and act; before each step, after Controls::begin. `now`: session time, ns.
+  /// Looks at the world and acts; call before each step, after Controls::begin. `now`: session
+  /// time, ns.
   virtual void update(consensus::SessionTime now) = 0;
-  /// What they achieved by their own account.
+  /// The user's own score.
   virtual Outcome outcome() const { return {}; }
-  /// What their devices measured.
+  /// Measurements of the user's devices.
   virtual std::vector<Series> series() const { return {}; }
 };
 
 struct UserOptions {
-  std::uint64_t seed = 1;            ///< of tremor and of small differences in timing
+  std::uint64_t seed = 1;            ///< of tremor and small timing differences
   consensus::SessionTime epoch = 0;  ///< ns, session time at which the script begins
   double seconds = 20.0;             ///< s, when the session ends
-  double reaction = 0.2;             ///< s, from what happens to what is done about it
+  double reaction = 0.2;             ///< s, from an event to the response
   double tremor = 3e-4;            ///< m, rms of each coordinate: peaks of 1 mm, see Tremor::bound
-  std::optional<HandRecord> hand;  ///< what they do in place of their script
+  std::optional<HandRecord> hand;  ///< replaces the script
 };
 
-/// What somebody has taken in of some bodies: what was there a reaction time ago.
+/// Delayed view of some bodies: their states a reaction time ago.
 class Sight {
  public:
   /// The scene must outlive it.
   Sight(const Scene& scene, std::vector<std::size_t> bodies, double reaction)
       : scene_(scene), bodies_(std::move(bodies)), reaction_(reaction) {}
-  /// @param time  s; grows
+  /// @param time  s, increasing
   void look(double time);
-  /// Of body number `k` of those watched. @pre look() has been called
+  /// State of body number `k` of those watched. @pre look() has been called
   const pbd::BodyState& seen(std::size_t k) const { return frames_.front().states[k]; }
-  /// s, when it was like that.
+  /// s, time of the seen states.
   double seen_at() const { return frames_.front().time; }
 
  private:
@@ -74,29 +75,29 @@ struct GripSpec {
   static constexpr double kSag =
       0.01;  ///< m, by how much the load of for_load() hangs below the hand
 
-  /// A loose grip: `load` (kg) sags by kSag, moves with a damping ratio of 0.7, and the hand is
-  /// four times as strong as it must be. Spread as given, a negative half axis mirrors it.
+  /// A loose grip: `load` (kg) sags by kSag, with a damping ratio of 0.7, and the force limit is
+  /// four times the load's weight. A negative half axis of `spread` mirrors it.
   static GripSpec for_load(double load, const pbd::Vec3& spread);
 };
 
-/// One spring as stiff and as strong as the three of a grip for that load (kg) are together.
+/// One spring with the total stiffness and strength of a grip for that load (kg).
 consensus::GrabDef single_spring(double load);
 
 /// A hand that holds one body by three springs ("loose springs" of [friston] Sec. 5.2). The anchors
-/// are fixed in the hand, the attachments in the body; they meet when the grip closes.
+/// are fixed in the hand, the attachments in the body; they coincide when the grip closes.
 class Grip {
  public:
   /// Must outlive the grip.
   explicit Grip(Controls& controls) : controls_(controls) {}
 
-  /// Hold the body of that index around the hand. @pre the grip is open
+  /// Holds that body around the hand. @pre the grip is open
   void close(std::size_t body, const pbd::Pose& hand, const GripSpec& spec);
-  /// Where the hand is at the start of the step to come. @pre the grip is closed
+  /// Sets the hand's pose at the start of the coming step. @pre the grip is closed
   void move(const pbd::Pose& hand);
   void open();
   bool closed() const { return body_.has_value(); }
   std::optional<std::size_t> body() const { return body_; }
-  /// m, mean distance of attachments from their anchors, as this world shows it.
+  /// m, mean distance of attachments from their anchors in this world.
   double stretch(const pbd::Pose& hand) const;
 
  private:
@@ -112,7 +113,7 @@ class Grip {
   std::array<Spring, kSprings> springs_;
 };
 
-/// What a scripted user decides when it is time for a task, from the world as it then is.
+/// A scripted user's plan for a task, made from the world at its start.
 struct HandPlan {
   std::size_t body = 0;  ///< index into Scene::bodies
   GripSpec grip;
@@ -121,16 +122,16 @@ struct HandPlan {
 
 struct HandTask {
   double start = 0.0;  ///< s since the epoch
-  /// Nothing to do here: an empty result.
+  /// Empty result: nothing to do.
   std::function<std::optional<HandPlan>()> plan;
 };
 
-/// Does its tasks one after the other: grabs, follows the path, lets go. It skips a task that it
-/// comes to too late (as after a restart) and lets go of what does not follow its hand.
+/// Performs its tasks in order: grabs, follows the path, lets go. It skips a task that is too late
+/// (as after a restart) and releases a body that does not follow its hand.
 class ScriptedUser final : public User {
  public:
-  static constexpr double kPatience = 0.5;    ///< s: later than this a task is skipped
-  static constexpr double kMaxStretch = 0.4;  ///< m: let go beyond
+  static constexpr double kPatience = 0.5;    ///< s: a task that is later is skipped
+  static constexpr double kMaxStretch = 0.4;  ///< m: released beyond it
 
   ScriptedUser(Controls& controls, const UserOptions& options, std::vector<HandTask> tasks);
   void update(consensus::SessionTime now) override;
@@ -143,7 +144,7 @@ class ScriptedUser final : public User {
   std::vector<HandTask> tasks_;
   Controls& controls_;
   std::size_t next_ = 0;
-  double done_ = 0.0;  ///< tasks carried through
+  double done_ = 0.0;  ///< completed tasks
   double task_start_ = 0.0;
   std::optional<HandPlan> plan_;
   Grip grip_;

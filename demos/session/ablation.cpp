@@ -12,15 +12,14 @@ namespace tandem::demos {
 
 namespace {
 
-/// Velocities are taken from all that moved, as position-based dynamics has it where there is one
-/// channel.
+/// Derives velocities from all motion, as single-channel position-based dynamics does.
 class OneChannel final : public Physics {
  public:
   explicit OneChannel(std::unique_ptr<Physics> physics) : physics_(std::move(physics)) {}
 
   const pbd::StepReport& step(Scene& scene, consensus::Peer& peer, double dt) override {
     report_ = physics_->step(scene, peer, dt);
-    if (report_.status != pbd::StepStatus::Ok) return report_;  // numbers have run away
+    if (report_.status != pbd::StepStatus::Ok) return report_;  // the state is not finite
     const double before = scene.world->kinetic_energy();
     for (const SceneBody& shared : scene.bodies) {
       const pbd::Correction done = scene.world->correction(shared.body);
@@ -53,7 +52,7 @@ class PlainTargets final : public pbd::TargetSource {
     source_.collect(world, dt, options, out);
     for (std::size_t i = first; i < out.size(); ++i) {
       pbd::PoseTarget& target = out[i];
-      if (target.share >= 1.0) continue;  // owners are no agreement
+      if (target.share >= 1.0) continue;  // owned bodies need no agreement
       target.twist = world.twist(target.body);
     }
   }

@@ -14,17 +14,17 @@
 
 namespace tandem::demos {
 
-/// A part of the agreement that can be left out to see what it is worth.
+/// A part of the agreement that can be switched off to measure its effect.
 enum class Part : std::uint8_t {
-  Channels,    ///< the displacement channel: what agreement moves becomes velocity as well
-  Velocities,  ///< agreement of velocities: targets move as the body here does
-  Initiative,  ///< who acted last leads
-  Leading,     ///< a leader's higher share, but not that it leads
+  Channels,    ///< the displacement channel: without it corrections become velocity
+  Velocities,  ///< agreement of velocities: without it targets have the local body's velocity
+  Initiative,  ///< the last user to act leads
+  Leading,     ///< a leader's higher share, without its lead
 };
 inline constexpr std::size_t kParts = 4;
 std::string_view to_string(Part part);
 
-/// The parts that a run does without.
+/// The parts that a run omits.
 class Ablation {
  public:
   bool lacks(Part part) const { return parts_.test(static_cast<std::size_t>(part)); }
@@ -32,10 +32,9 @@ class Ablation {
   void leave_out(Part part) { parts_.set(static_cast<std::size_t>(part)); }
 
   void apply(consensus::PeerOptions& options) const;
-  /// The physics, or what leaves Part::Channels out around it.
+  /// Wraps the physics to omit Part::Channels.
   std::unique_ptr<Physics> around(std::unique_ptr<Physics> physics) const;
-  /// A source to be asked in place of `source`, which must outlive it; null where nothing is left
-  /// out of targets.
+  /// A source that replaces `source`, which must outlive it; null if targets are complete.
   std::unique_ptr<pbd::TargetSource> around(pbd::TargetSource& source) const;
 
  private:

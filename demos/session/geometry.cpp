@@ -12,15 +12,14 @@ namespace tandem::demos {
 
 namespace {
 
-/// Half of a box's shadow on the unit direction `axis`, m.
+/// Half width of a box projected on the unit direction `axis`, m.
 double reach(const pbd::Mat3& axes, const pbd::Vec3& half, const pbd::Vec3& axis) {
   return (axes.transpose() * axis).cwiseAbs().dot(half);
 }
 
-/// A box or a ball along x, for the sweep.
 struct Solid {
   double low = 0.0, high = 0.0;
-  std::size_t body = 0;  ///< of the scene; beyond: fixed
+  std::size_t body = 0;  ///< index in the scene; beyond: fixed
   pbd::Pose pose;
   const collision::Box* box = nullptr;
   const collision::Sphere* ball = nullptr;
@@ -54,7 +53,7 @@ void add_solid(const collision::Shape& shape, const pbd::Pose& pose, std::size_t
   out.push_back(solid);
 }
 
-/// All boxes and balls that touch anything, and whether there is a ground.
+/// All boxes and balls with contacts, and whether there is a ground.
 bool collect_solids(const Scene& scene, std::vector<Solid>& out) {
   bool ground = false;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -96,7 +95,7 @@ double box_overlap(const pbd::Pose& a, const pbd::Vec3& half_a, const pbd::Pose&
     for (int j = 0; j < 3; ++j) {
       const pbd::Vec3 cross = axes_a.col(i).cross(axes_b.col(j));
       const double norm = cross.norm();
-      if (norm < 1e-6) continue;  // parallel edges: the faces have decided
+      if (norm < 1e-6) continue;  // parallel edges: the face axes decide
       if (!try_axis(cross / norm)) return 0.0;
     }
   }
@@ -140,7 +139,7 @@ void append_penetrations(const Scene& scene, std::vector<double>& out) {
 }
 
 std::string out_of_bounds(const Scene& scene, const Bounds& bounds) {
-  // Written so that NaN is out of all.
+  // Written so that NaN is out of bounds.
   for (const SceneBody& body : scene.bodies) {
     const pbd::BodyState& state = scene.world->state(body.body);
     if (!(state.pose.position.norm() < bounds.max_distance)) return body.name + " is too far away";

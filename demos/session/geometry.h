@@ -12,27 +12,27 @@
 
 namespace tandem::demos {
 
-/// How deep two sharp boxes overlap (m): the least translation along one of the 15 axes of the
-/// separating-axis theorem that parts them; 0 where they do not overlap. Independent of the
+/// Penetration depth of two sharp boxes (m): the least translation along one of the 15 axes of the
+/// separating-axis theorem that separates them; 0 if they do not overlap. Independent of the
 /// engine's own contacts.
 double box_overlap(const pbd::Pose& a, const pbd::Vec3& half_a, const pbd::Pose& b,
                    const pbd::Vec3& half_b);
 
-/// How deep a ball overlaps a box (m), along the shortest way out; 0 where it does not.
+/// Penetration depth of a ball in a box (m), along the shortest way out; 0 if there is none.
 double ball_box_overlap(const pbd::Vec3& centre, double radius, const pbd::Pose& box,
                         const pbd::Vec3& half);
 
-/// How deep the lowest corner of a box is below the ground, z = 0 (m); 0 where it is above.
+/// Depth of a box's lowest corner below the ground, z = 0 (m); 0 above it.
 double ground_overlap(const pbd::Pose& pose, const pbd::Vec3& half);
 
-/// Append the depth of every pair of bodies, and of every body and what is fixed, that overlap.
-/// Boxes, balls and half-spaces under z = 0 are looked at; other shapes are passed over.
+/// Appends the depth of every overlap between bodies, and between bodies and fixed parts. Covers
+/// boxes, balls and the half-space z <= 0; other shapes are skipped.
 void append_penetrations(const Scene& scene, std::vector<double>& out);
 
-/// The first body that is where it must never be, and how; empty where all are within.
+/// The first body out of bounds, and how; empty if there is none.
 std::string out_of_bounds(const Scene& scene, const Bounds& bounds);
 
-/// Steps between two looks at penetration and at Scenario::fault.
+/// Steps between checks of penetration and Scenario::fault.
 inline constexpr std::uint64_t kLookEvery = 5;
 
 }  // namespace tandem::demos

@@ -22,7 +22,7 @@ bool for_owner_alone(const std::string& path) {
 }
 
 void write_for_owner_alone(const std::string& path, std::string_view text) {
-  // Never there with more rights.
+  // Created with these rights, never with more.
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file < 0) throw std::system_error(errno, std::system_category(), path);
   const auto written = ::write(file, text.data(), text.size());
@@ -39,7 +39,7 @@ void write_for_owner_alone(const std::string& path, std::string_view text) {
 #else
 
 #include <windows.h>
-// After it.
+// After windows.h.
 #include <aclapi.h>
 #include <sddl.h>
 
@@ -58,7 +58,7 @@ namespace {
 template <typename T>
 using Local = std::unique_ptr<T, decltype([](T* memory) { LocalFree(memory); })>;
 
-/// Who runs this process.
+/// The user of this process.
 class Account {
  public:
   Account() {
@@ -77,13 +77,13 @@ class Account {
   alignas(TOKEN_USER) std::array<std::byte, sizeof(TOKEN_USER) + SECURITY_MAX_SID_SIZE> bytes_{};
 };
 
-/// Whether it is one of those whom `for_owner_alone` names.
+/// True for the accounts of `for_owner_alone`.
 bool is_owner(PSID who, PSID user) {
   return EqualSid(who, user) != 0 || IsWellKnownSid(who, WinLocalSystemSid) != 0 ||
          IsWellKnownSid(who, WinBuiltinAdministratorsSid) != 0;
 }
 
-/// Whether an entry of a list lets nobody else in.
+/// True if an entry of a list lets in nobody else.
 bool harmless(void* entry, PSID user) {
   constexpr DWORD kInside = FILE_READ_DATA | FILE_WRITE_DATA | FILE_APPEND_DATA | WRITE_DAC |
                             WRITE_OWNER | GENERIC_READ | GENERIC_WRITE | GENERIC_ALL;
@@ -105,7 +105,7 @@ bool for_owner_alone(const std::string& path) {
                                             OWNER_SECURITY_INFORMATION | DACL_SECURITY_INFORMATION,
                                             &owner, nullptr, &list, nullptr, &found);
   const Local<void> held(found);
-  if (error != ERROR_SUCCESS || list == nullptr) return false;  // no list: all are let in
+  if (error != ERROR_SUCCESS || list == nullptr) return false;  // no list: full access for all
   Account user;
   if (owner == nullptr || !is_owner(owner, user.id())) return false;
   for (DWORD i = 0; i < list->AceCount; ++i) {
@@ -120,7 +120,7 @@ void write_for_owner_alone(const std::string& path, std::string_view text) {
   char* id = nullptr;
   if (ConvertSidToStringSidA(user.id(), &id) == 0) fail(GetLastError(), path);
   const Local<char> held_id(id);
-  // A list of its own (P): this user, the system and its administrators may do all (FA).
+  // A protected list (P): full access (FA) for this user, the system and its administrators.
   const std::string rights = "D:P(A;;FA;;;" + std::string(id) + ")(A;;FA;;;SY)(A;;FA;;;BA)";
   PSECURITY_DESCRIPTOR made = nullptr;
   if (ConvertStringSecurityDescriptorToSecurityDescriptorA(rights.c_str(), SDDL_REVISION_1, &made,

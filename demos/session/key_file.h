@@ -7,7 +7,7 @@
 
 namespace tandem::demos {
 
-/// What a user is asked for where `for_owner_alone` is false.
+/// The advice to users if `for_owner_alone` is false.
 #ifdef _WIN32
 inline constexpr std::string_view kForOwnerAlone =
     "a file that nobody else can read or write (icacls FILE /inheritance:r /grant:r %USERNAME%:F)";
@@ -16,12 +16,12 @@ inline constexpr std::string_view kForOwnerAlone =
     "a file that nobody else can read or write (chmod 600)";
 #endif
 
-/// Whether nobody but the owner of a file can read or write it; on Windows nobody but this user,
-/// the system and its administrators. False where that cannot be found out.
+/// True if only the owner of a file can read or write it; on Windows only this user, the system and
+/// its administrators. False if that cannot be determined.
 bool for_owner_alone(const std::string& path);
 
-/// Makes a file for its owner alone, never over another one.
-/// @throws std::system_error where it cannot be written
+/// Creates a file for its owner alone, never overwriting one.
+/// @throws std::system_error if it cannot be written
 void write_for_owner_alone(const std::string& path, std::string_view text);
 
 }  // namespace tandem::demos

@@ -11,10 +11,10 @@
 #include "session/physics.h"
 #include "tandem/consensus/peer.h"
 
-// What the values of options are read with. All throw UsageError.
+// Parsers of option values. All throw UsageError.
 namespace tandem::demos {
 
-/// A limit: 0, which is none, or a number from `least` to `most`.
+/// A limit: 0 for none, or a number from `least` to `most`.
 double limit(std::string_view option, std::string_view text, double least, double most,
              std::string_view rule);
 consensus::PredictorKind predictor(std::string_view text);
@@ -23,11 +23,11 @@ Scheme scheme(std::string_view option, std::string_view text);
 Print print(std::string_view text);
 /// "HOST:PORT"
 std::string address(std::string_view text);
-/// "60,72": steps each second of the peers, in turn.
+/// "60,72": steps per second of the peers, cyclically.
 std::vector<double> rates(std::string_view text);
-/// "tandem,bullet": what the peers run on, in turn.
+/// "tandem,bullet": engines of the peers, cyclically.
 std::vector<Engine> engines(std::string_view text);
-/// "ramp,refine": parts to do without.
+/// "channels,velocities": parts to omit.
 Ablation ablation(std::string_view text);
 
 }  // namespace tandem::demos

@@ -14,10 +14,10 @@ namespace tandem::demos {
 
 namespace {
 
-/// Where an option has a meaning.
+/// Kinds of runs that an option applies to.
 enum class Where : std::uint8_t { Everywhere, Virtual, Network };
 
-/// An option of the command line, and what it does.
+/// An option of the command line, and its effect.
 struct DemoOption {
   std::string_view name;
   Where where;
@@ -39,7 +39,7 @@ void read_text(Argument& in, DemoOptions& o) {
   o.*Member = in.text();
 }
 
-/// Null where none is called so.
+/// Null if there is no such name.
 const consensus::NamedNetwork* named_network(std::string_view name) {
   const std::span<const consensus::NamedNetwork> all = consensus::named_networks();
   const auto found = std::find_if(all.begin(), all.end(),
@@ -138,7 +138,7 @@ void read_clock(Argument& in, DemoOptions& o) {
   });
 }
 
-/// "PORT" or "ADDRESS:PORT", or nothing.
+/// "PORT", "ADDRESS:PORT", or nothing.
 void read_view(Argument& in, DemoOptions& o) {
   std::string_view port = in.value_or("0");
   if (const std::size_t colon = port.rfind(':'); colon != std::string_view::npos) {
@@ -153,7 +153,7 @@ void read_view(Argument& in, DemoOptions& o) {
   o.view = number("--view", port, std::uint16_t{0}, std::uint16_t{65535}, kPort);
 }
 
-/// Of the run and, after a comma, of the one that it is shown beside.
+/// Coupling of the run and, after a comma, of the comparison run.
 void read_coupling(Argument& in, DemoOptions& o) {
   const std::string_view text = in.value();
   const std::vector<std::string_view> items = items_of(text);
@@ -164,7 +164,7 @@ void read_coupling(Argument& in, DemoOptions& o) {
   if (items.size() == 2 && !o.alone) o.beside = scheme(in.name(), items[1]);
 }
 
-/// Of Tandem's pass and, after a comma, of Bullet's solver.
+/// Iterations of Tandem's pass and, after a comma, of Bullet's solver.
 void read_iterations(Argument& in, DemoOptions& o) {
   const std::string_view text = in.value();
   const std::vector<std::string_view> items = items_of(text);
@@ -268,7 +268,7 @@ constexpr DemoOption kOptions[] = {
   throw UsageError(std::string(option) + ' ' + std::string(why));
 }
 
-/// What has no meaning together.
+/// Refuses combinations of options without meaning.
 void check_together(const DemoOptions& o, std::string_view virtual_only,
                     std::string_view network_only) {
   if (o.over_network() && !virtual_only.empty()) {
@@ -289,7 +289,7 @@ void check_together(const DemoOptions& o, std::string_view virtual_only,
   }
 }
 
-/// What a scheme is made of.
+/// Sets the peer options of a scheme.
 void apply(Scheme scheme, consensus::PeerOptions& options) {
   using consensus::Coupling;
   options.two_step_thresholds = scheme == Scheme::TwoStepPaper;
@@ -322,7 +322,7 @@ consensus::PeerOptions DemoOptions::peer_options(Scheme other) const {
   result.sending.kbit_per_s = budget;
   result.sending.tolerance = tolerance;
   result.influence.baseline = influence;
-  if (influence <= 0.0) result.influence.held_alone = 0.0;  // no agreement at all
+  if (influence <= 0.0) result.influence.held_alone = 0.0;  // no agreement
   apply(other, result);
   if (predictor) {
     result.predictor = *predictor;
@@ -365,7 +365,7 @@ void DemoOptions::set_links(consensus::VirtualNetwork& links) const {
 
 DemoOptions parse_options(std::span<const std::string_view> arguments) {
   DemoOptions options;
-  std::string_view virtual_only;  // an option that has no meaning over a real network
+  std::string_view virtual_only;  // an option without meaning over a real network
   std::string_view network_only;
   bool timed = false;
   std::vector<Option> known;
@@ -378,18 +378,18 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
                      }});
   }
   read_arguments(arguments, known);
-  // In virtual time all times are true ones, or nobody's.
+  // The system clock applies to networks alone.
   if (options.timeline == Timeline::System) network_only = "--clock system";
   if (options.clock_spread > 0.0) virtual_only = "--clock spread";
   if (options.off_grid) virtual_only = "--clock off-grid";
   if (options.beside || options.alone) virtual_only = "--coupling A,B";
-  // As over TCP: without a key on this machine alone.
+  // As over TCP: without a key only on this machine.
   options.insecure = options.wire == Wire::Udp && options.key.empty();
   options.endless = options.view.has_value() && !timed;
   check_together(options, virtual_only, network_only);
-  // Users' scripts are made for a length.
+  // Users' scripts need a length.
   if (options.endless) options.seconds = kEndless;
-  // Who waits is user A, who calls is user B.
+  // The listening peer is user A, the connecting one user B.
   if (options.over_network() && options.peer_id == 0) {
     options.peer_id = options.connect.empty() ? 1 : 2;
   }
@@ -401,7 +401,7 @@ void check_results(const DemoOptions& o) {
   if (!o.record.empty()) require_writable_file("--record", o.record);
   if (!o.glb.empty()) require_writable_file("--record", o.glb);
   if (!o.csv.empty()) require_writable_folder("--csv", o.csv);
-  // Peers of one process write one each, see open_trace().
+  // Peers of one process write a file each, see open_trace().
   if (!o.trace.empty()) require_writable_file("--trace", o.trace + (o.over_network() ? "" : ".1"));
 }
 

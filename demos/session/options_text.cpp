@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What --help says, and what options are called in results.
+// Texts of --help, and names of options in results.
 #include <string>
 #include <string_view>
 

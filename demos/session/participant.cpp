@@ -21,7 +21,7 @@ namespace tandem::demos {
 
 namespace {
 
-/// Who alone moves the body; nobody where all do.
+/// The peer that alone moves the body; none if all do.
 std::optional<consensus::PeerId> owner_of(const DemoOptions& options, const SceneBody& body) {
   if (!body.owner) return std::nullopt;
   return seat_of(options, *body.owner) + 1;
@@ -37,7 +37,7 @@ consensus::SessionTime clock_ahead(const DemoOptions& options, std::size_t numbe
 }
 
 std::size_t seat_of(const DemoOptions& options, std::size_t user) {
-  // Over a network nobody knows how many will come.
+  // Over a network the number of peers is unknown.
   if (options.over_network()) return user;
   return std::min(user, static_cast<std::size_t>(options.peers) - 1);
 }
@@ -82,7 +82,7 @@ Participant::Participant(const Scenario& scenario, const DemoOptions& options, c
       bodies_(scene_),
       physics_(options.ablation.around(
           make_physics(options.engine(number), scene_, options.bullet_iterations, options.solver))),
-      // In virtual time all but the peers' own times are true ones.
+      // In virtual time only the peers' own clocks need correction.
       signals_(transport, options.over_network() ? options.peer_options().timestamps
                                                  : consensus::TimestampSource::Sender),
       referee_(scenario.make_referee(scene_)),
@@ -116,7 +116,7 @@ void Participant::make_peer(const DemoOptions& options) {
 }
 
 void Participant::change_rules(const DemoOptions& options) {
-  // Targets that are asked for in its place end with it.
+  // Its target source ends with the old peer.
   targets_.reset();
   if (watch_ != nullptr) watch_->rules(options);
   make_peer(options);
@@ -155,7 +155,7 @@ void Participant::add_user(std::size_t user, consensus::SessionTime epoch, const
 
 void Participant::sit_down(std::size_t user, consensus::SessionTime epoch, std::string prefix,
                            const MakeUser& make) {
-  // Whatever comes of it belongs to what it announces.
+  // Subsequent events belong to this user.
   if (watch_ != nullptr) watch_->user(user, epoch);
   Seat seat;
   seat.prefix = std::move(prefix);
@@ -214,7 +214,7 @@ void Participant::step(consensus::SessionTime now, consensus::SessionTime end) {
   const std::chrono::duration<double> elapsed = Clock::now() - before;
   if (watch_ != nullptr) watch_->solved();
   last_step_s_ = elapsed.count();
-  // Only now: a beginning may be said again before there is a step.
+  // Only now: a step may begin twice before it runs.
   record_.stretches.insert(record_.stretches.end(), stretches_.begin(), stretches_.end());
   if (recording_) record_.step_s.push_back(elapsed.count());
   record_.targets_s += report.stage_s[static_cast<std::size_t>(pbd::Stage::Agree)];
@@ -306,8 +306,8 @@ void Participant::record_bodies(consensus::SessionTime now) {
 }
 
 void Participant::look_at_springs(consensus::SessionTime now) {
-  // Hand and body are of one time here, as the user sees them: the hand's next place is not known
-  // before the next step, and two-step coupling has not moved the body yet.
+  // Hand and body are of the same time here, as the user sees them: the hand has not moved to its
+  // next place, and two-step coupling has not moved the body yet.
   stretches_.clear();
   if (!recording_) return;
   if (wait_for_exchange_ && !has_exchanged()) return;

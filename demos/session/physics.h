@@ -18,20 +18,20 @@ namespace tandem::demos {
 
 enum class Engine : std::uint8_t {
   Tandem,
-  /// An impulse engine behind the paper's two steps. The world is a view of it.
+  /// An impulse engine, by the paper's two steps. The world mirrors it.
   Bullet,
 };
 std::string_view to_string(Engine engine);
 
-/// What moves a peer's bodies between before_step and after_step.
+/// Moves a peer's bodies between before_step and after_step.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class Physics {
  public:
   virtual ~Physics() = default;
   /// One step of `dt` s of the scene's world. @param peer  of that world
   virtual const pbd::StepReport& step(Scene& scene, consensus::Peer& peer, double dt) = 0;
-  /// Pairs of the scene's shared bodies, by index, that pushed each other in the last step; null
-  /// where the world's own contacts tell.
+  /// Pairs of the scene's shared bodies, by index, in contact in the last step; null if the world's
+  /// own contacts are valid.
   virtual const std::vector<std::pair<std::size_t, std::size_t>>* touching() const {
     return nullptr;
   }
@@ -39,15 +39,15 @@ class Physics {
 
 /// @param iterations  of the other engine's solver; nullopt = its default
 /// @param solver      of Tandem's
-/// @throws std::invalid_argument where the engine is not in this build, or cannot hold the scene
+/// @throws std::invalid_argument if the engine is not in this build, or does not support the scene
 std::unique_ptr<Physics> make_physics(Engine engine, const Scene& scene,
                                       std::optional<int> iterations = std::nullopt,
                                       const pbd::SolverOptions& solver = {});
 
-/// Whether Bullet is in this build.
+/// True if Bullet is in this build.
 bool has_bullet();
 
-/// Of bullet/: as make_physics.
+/// Defined in bullet/; see make_physics.
 std::unique_ptr<Physics> make_bullet_physics(const Scene& scene, std::optional<int> iterations);
 
 }  // namespace tandem::demos

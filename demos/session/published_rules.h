@@ -6,11 +6,11 @@
 
 namespace tandem::consensus {
 
-/// The options with the prediction and the share of the paper's prototype, and nothing beside them,
-/// whatever the coupling: positions carried by their velocity, orientations not at all (Sec. 4.2,
-/// Eq. 3), the baseline share (more while this peer alone knows the user's constraint, Sec. 3.2;
-/// all of an owner's, Sec. 6.3), whatever the age, for which Sec. 3.3 gives no law; no
-/// initiative, no arbitration, full authority at once. Shares are per 1/60 s as elsewhere.
+/// The options with only the prediction and the share of the paper's prototype, for any coupling:
+/// positions extrapolated by velocity, orientations not at all (Sec. 4.2, Eq. 3); the baseline
+/// share (more while only this peer knows the user's constraint, Sec. 3.2; all for an owner, Sec.
+/// 6.3) at any age, since Sec. 3.3 gives no law; no initiative, no arbitration, full authority at
+/// once. Shares are per 1/60 s as elsewhere.
 inline PeerOptions with_published_rules(PeerOptions options) {
   options.predictor = PredictorKind::Euler;
   options.own_predictor = nullptr;

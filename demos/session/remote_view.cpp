@@ -39,7 +39,7 @@ void RemoteView::look(consensus::PeerId from, std::span<const std::byte> packet,
     sample.orientation = state.pose.orientation;
     sample.speed = state.twist.linear.norm();
     sample.velocity = state.twist.linear;
-    // One user sits at each process, however many springs the hand has.
+    // Each process has one user, however many springs the hand has.
     for (const auto& [spring, hand] : remote.springs) {
       sample.users |= hand.body == body && !hand.released ? 1 : 0;
     }
@@ -54,13 +54,13 @@ void RemoteView::look(Remote& remote, const consensus::SpringUpdate& spring) con
   hand.released = spring.event == consensus::SpringEvent::Remove;
   const auto known = remote.springs.find(spring.spring);
   if (known != remote.springs.end()) {
-    // A removal comes another way than the states before it, and may overtake them.
+    // Removals are sent separately from states, and may overtake them.
     if (hand.revision < known->second.revision || known->second.released) return;
     known->second = hand;
     return;
   }
   if (remote.springs.size() == kMaxSprings) {
-    // Numbers grow: the first that was released is the oldest.
+    // Numbers grow: the first released one is the oldest.
     const auto oldest = std::find_if(remote.springs.begin(), remote.springs.end(),
                                      [](const auto& each) { return each.second.released; });
     if (oldest == remote.springs.end()) return;

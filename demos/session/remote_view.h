@@ -15,34 +15,34 @@
 
 namespace tandem::demos {
 
-/// What a process can know of its peers' worlds: the states that they send, at their own stamps,
-/// and which bodies their users hold. A peer that is never heard has no record.
+/// Knowledge of the other peers' worlds: the states that they send, at their own stamps, and the
+/// bodies that their users hold. A silent peer has no record.
 class RemoteView {
  public:
   explicit RemoteView(const Scene& scene);
 
-  /// Look at a packet. What does not decode is passed over: refusing it is the session's business.
-  /// @param arrival  given: stamps are read by it, as with consensus::TimestampSource::Arrival
+  /// Reads a packet. Invalid packets are skipped: the session refuses them.
+  /// @param arrival  if given, stamps are replaced as with consensus::TimestampSource::Arrival
   void look(consensus::PeerId from, std::span<const std::byte> packet,
             const std::optional<consensus::Arrival>& arrival = {});
-  /// The peer's process is gone: its users hold nothing more.
+  /// The peer's process is gone: its users release everything.
   void forget_hands(consensus::PeerId peer);
-  /// Keep nothing: for sessions without an end.
+  /// Keeps nothing: for endless sessions.
   void record_nothing() { recording_ = false; }
   /// By ascending id.
   std::vector<PeerRecord> records() const;
 
  private:
-  /// Of a peer: hands beyond these are not looked at, so that nobody fills our memory.
+  /// Per peer: further springs are ignored, to bound memory.
   static constexpr std::size_t kMaxSprings = 256;
   struct Hand {
     std::size_t body = 0;
     std::uint32_t revision = 0;
-    bool released = false;  ///< remembered: what was under way meanwhile revives nothing
+    bool released = false;  ///< kept, so that a late packet does not revive it
   };
   struct Remote {
     std::vector<Track> tracks;
-    std::map<std::uint32_t, Hand> springs;  ///< by their numbers
+    std::map<std::uint32_t, Hand> springs;  ///< by number
   };
   void look(Remote& remote, const consensus::SpringUpdate& spring) const;
   bool body_index(const consensus::SharedId& id, std::size_t& index) const;

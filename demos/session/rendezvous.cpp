@@ -11,7 +11,7 @@ namespace tandem::demos {
 namespace {
 
 constexpr std::uint32_t kHelloMagic = 0x4f4d4454;  // "TDMO" on the wire; no packet of a session
-constexpr std::size_t kHelloBytes = 20;            // magic u32, epoch i64, when it is said i64
+constexpr std::size_t kHelloBytes = 20;            // magic u32, epoch i64, time of sending i64
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void Rendezvous::update(consensus::SessionTime now) {
   }
   if (!epoch_ && connected_ && all_heard && lowest) {
     epoch_ = now + kLead;
-    next_word_ = now;  // tell it at once, in the next round
+    next_word_ = now;  // send it at once, in the next round
   }
 }
 
@@ -67,7 +67,7 @@ bool Rendezvous::hear(const consensus::Packet& packet) {
     epoch =
         consensus::shifted(epoch, consensus::SenderClocks::guess(said, at.received, at.round_trip));
   }
-  // An epoch of another day is nobody's script.
+  // An epoch days away is invalid.
   if (epoch == 0 || plausible(epoch, now_)) heard_[packet.from] = epoch;
   return true;
 }

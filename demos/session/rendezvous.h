@@ -13,32 +13,32 @@
 
 namespace tandem::demos {
 
-/// Agrees on the session time at which the users' scripts begin, and shows passing packets to a
-/// RemoteView. It stands between a peer and its transport.
+/// Agrees on the session time at which the users' scripts begin, and passes packets to a
+/// RemoteView. It sits between a peer and its transport.
 ///
-/// Each process says every half second which epoch it knows. Who has heard all its connected peers
-/// and nobody knows one: the lowest peer id sets it. Who knows none takes over the earliest that it
-/// hears, so that a process that comes late, or comes back, joins the script where it is.
+/// Each process sends its epoch every half second. Once a process has heard all its connected peers
+/// and none has an epoch, the lowest peer id sets it. A process without one adopts the earliest
+/// that it hears, so that a late or returning process joins the running script.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class Rendezvous final : public SideChannel {
  public:
   /// Both must outlive it.
-  /// @param timestamps  by what the times of others are read
+  /// @param timestamps  how to read the times of others
   Rendezvous(consensus::Transport& inner, RemoteView& view,
              consensus::TimestampSource timestamps = consensus::TimestampSource::Sender)
       : SideChannel(inner), view_(view), timestamps_(timestamps) {}
 
-  /// Speak where it is time, and decide. @param now  session time, ns
+  /// Sends if due, and decides. @param now  session time, ns
   void update(consensus::SessionTime now);
-  /// ns, session time; nothing until it is agreed.
+  /// ns, session time; nothing before agreement.
   std::optional<consensus::SessionTime> epoch() const { return epoch_; }
-  /// Whether anybody is connected.
+  /// True if another peer is connected.
   bool connected() const { return connected_; }
 
   void drain(std::vector<consensus::Packet>& out) override;
 
  private:
-  static constexpr consensus::SessionTime kInterval = 500'000'000;  // ns, between two words
+  static constexpr consensus::SessionTime kInterval = 500'000'000;  // ns, between messages
   static constexpr consensus::SessionTime kLead = 1'000'000'000;    // ns, from decision to epoch
 
   bool hear(const consensus::Packet& packet) override;

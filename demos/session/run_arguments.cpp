@@ -18,7 +18,7 @@ std::string digits(Number value) {
   return {text, end};
 }
 
-/// "key=value,key" of what is not as it is by default.
+/// "key=value,key" of the values that differ from the defaults.
 class Items {
  public:
   template <class Number>
@@ -39,7 +39,7 @@ class Items {
   std::string text_;
 };
 
-/// Words for what is not as it is by default.
+/// Arguments that differ from the defaults.
 class Words {
  public:
   std::vector<std::string> take() { return std::move(words_); }
@@ -77,7 +77,7 @@ std::string joined(const List& list, Text&& text) {
   return result;
 }
 
-/// Where and by what way peers meet.
+/// Transport and place of the run.
 void write_place(const DemoOptions& o, const DemoOptions& usual, Words& words) {
   if (o.over_network()) {
     words.add("--listen", "0");
@@ -103,7 +103,7 @@ std::vector<std::string> run_arguments(const DemoOptions& o) {
   const DemoOptions usual;
   Words words;
   write_place(o, usual, words);
-  // Where else time comes from changes nothing but the times.
+  // The source of time changes only the times.
   Items clock;
   clock.flag("none", o.timeline == Timeline::None);
   if (!o.over_network()) clock.number("spread", o.clock_spread, usual.clock_spread);

@@ -9,9 +9,9 @@
 
 namespace tandem::demos {
 
-/// The options of a run as words that parse_options() reads back: all that a peer's behaviour
-/// depends on, numbers with every bit. Without addresses, keys, waiting times and where results go:
-/// a run over a network is "--listen 0 --peer-id N" here, and over UDP "--transport udp".
+/// The options of a run as arguments for parse_options(): everything that a peer's behaviour
+/// depends on, numbers with every bit. Addresses, keys, waiting times and output files are omitted:
+/// a run over a network becomes "--listen 0 --peer-id N", with "--transport udp" over UDP.
 std::vector<std::string> run_arguments(const DemoOptions& options);
 
 }  // namespace tandem::demos

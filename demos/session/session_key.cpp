@@ -76,7 +76,7 @@ std::vector<std::byte> read_hex_file(const std::string& path) {
 
 bool is_loopback(const std::string& host) {
   if (host == "localhost" || host == "::1") return true;
-  // A name may begin like an address.
+  // A host name may begin with "127." too.
   return host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos;
 }
 

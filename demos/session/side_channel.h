@@ -12,11 +12,11 @@
 
 namespace tandem::demos {
 
-/// A transport with words of its own among the session's packets: passes everything on, and takes
-/// out what it knows.
+/// A transport that carries its own packets among the session's: it passes everything on, and takes
+/// out its own.
 class SideChannel : public consensus::Transport {
  public:
-  /// ns: a time further from now than this is nobody's.
+  /// ns: times farther from now are invalid.
   static constexpr consensus::SessionTime kMaxDistance = 86'400'000'000'000;
 
   /// Must outlive it.
@@ -44,9 +44,9 @@ class SideChannel : public consensus::Transport {
   std::vector<consensus::PeerStatus> peers() const override { return inner_.peers(); }
 
  protected:
-  /// Whether the packet is one of ours; it is then taken in.
+  /// Handles the packet if it is our own; returns whether it was.
   virtual bool hear(const consensus::Packet& packet) = 0;
-  /// Whether a time that was heard may be meant.
+  /// True if a received time is within kMaxDistance.
   static bool plausible(consensus::SessionTime time, consensus::SessionTime now) {
     return time > now - kMaxDistance && time < now + kMaxDistance;
   }

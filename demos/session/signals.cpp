@@ -11,7 +11,7 @@ namespace tandem::demos {
 
 namespace {
 constexpr std::uint32_t kSignalMagic = 0x47495354;  // "TSIG" on the wire
-constexpr std::size_t kSignalBytes = 24;  // magic u32, code u32, time i64, when it is told i64
+constexpr std::size_t kSignalBytes = 24;  // magic u32, code u32, time i64, time of sending i64
 }  // namespace
 
 void Signals::update(consensus::SessionTime now) {

@@ -12,35 +12,34 @@
 
 namespace tandem::demos {
 
-/// Carries signals beside a peer's own packets; stands between a peer and its transport. Each
-/// signal takes effect once at each peer, at its time or when it is heard, if that is later. Peers
-/// tell newcomers all that they know.
+/// Carries signals beside a peer's own packets; sits between a peer and its transport. Each signal
+/// takes effect once at each peer, at its time or on arrival, if that is later. Peers send
+/// newcomers all known signals.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class Signals final : public SideChannel, public SignalSink {
  public:
-  /// Beyond these nothing more is taken from others, and nothing more from one of them.
+  /// Limits of signals accepted from others, in total and from one of them.
   static constexpr std::size_t kMaxSignals = 1024;
   static constexpr std::size_t kMaxFromOne = 64;
   static constexpr consensus::SessionTime kSameSignal = 2'000'000'000;  ///< ns
 
   /// Must outlive it.
-  /// @param timestamps  by what the times of others are read: on receipt, what waited for its link
-  /// is
-  ///   as late, and what two peers tell within kSameSignal is one signal
+  /// @param timestamps  how to read the times of others. Arrival: waiting for a link delays
+  /// signals, and two within kSameSignal count as one
   explicit Signals(consensus::Transport& inner,
                    consensus::TimestampSource timestamps = consensus::TimestampSource::Sender)
       : SideChannel(inner), timestamps_(timestamps) {}
 
-  /// Tell newcomers. @param now  ns, session time
+  /// Sends known signals to newcomers. @param now  ns, session time
   void update(consensus::SessionTime now);
   void raise(const Signal& signal) override;
-  /// The next signal whose time has come and that was not taken yet, in order of time.
+  /// Takes the next due signal, in order of time.
   bool take(consensus::SessionTime now, Signal& signal);
 
  private:
   bool hear(const consensus::Packet& packet) override;
   void say(consensus::PeerId to, const Signal& signal);
-  /// By the own clock. @param said  ns, by the sender's, when it was told
+  /// The signal's time on the own clock. @param said  ns, on the sender's, when it was sent
   consensus::SessionTime dated(const consensus::Packet& packet, consensus::SessionTime time,
                                consensus::SessionTime said) const;
   bool knows(const Signal& signal) const;
@@ -53,7 +52,7 @@ class Signals final : public SideChannel, public SignalSink {
   consensus::TimestampSource timestamps_;
   std::set<Signal, InTime> known_;
   std::set<Signal, InTime> taken_;
-  std::map<consensus::PeerId, std::size_t> told_;  ///< new ones, by who told them first
+  std::map<consensus::PeerId, std::size_t> told_;  ///< new ones, by first sender
   std::vector<consensus::PeerId> company_;         ///< connected at the last update()
   consensus::SessionTime now_ = 0;
 };

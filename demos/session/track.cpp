@@ -9,16 +9,16 @@ namespace tandem::demos {
 
 namespace {
 
-/// m/s^2: a body that changes its velocity faster than this within a step was hit.
+/// m/s^2: a larger acceleration within a step is an impact.
 constexpr double kHitAcceleration = 40.0;
 
-/// m, the way between two samples as bodies go: the cubic that has both velocities, which is exact
-/// in free fall; where the body was hit in between, straight there and straight away.
+/// m, the path between two samples: the cubic that matches both velocities, which is exact in free
+/// fall; with an impact in between, two straight lines.
 pbd::Vec3 way_at(const TrackSample& before, const TrackSample& after, double s, double dt) {
   const pbd::Vec3 way = after.position - before.position;
   const pbd::Vec3 change = after.velocity - before.velocity;
   if (change.norm() > kHitAcceleration * dt) {
-    // The lines through both samples are nearest to each other where it was hit.
+    // The lines through both samples are nearest to each other at the impact.
     const double at =
         std::clamp((dt * after.velocity - way).dot(change) / (dt * change.squaredNorm()), 0.0, 1.0);
     const pbd::Vec3 from_before = at * dt * before.velocity;

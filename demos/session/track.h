@@ -21,24 +21,24 @@ struct TrackSample {
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, of the centre
   pbd::Quat orientation = pbd::Quat::Identity();
   double speed = 0.0;                      ///< m/s, of the centre
-  pbd::Vec3 velocity = pbd::Vec3::Zero();  ///< m/s, likewise
-  double correction = 0.0;                 ///< m, by which agreement moved it in the last step
-  bool contact = false;                    ///< felt a contact in the last step; local peers only
-  int users = 0;                           ///< how many of this peer's own users hold the body
+  pbd::Vec3 velocity = pbd::Vec3::Zero();  ///< m/s, of the centre
+  double correction = 0.0;                 ///< m, moved by agreement in the last step
+  bool contact = false;                    ///< had a contact in the last step; local peers only
+  int users = 0;                           ///< number of this peer's own users that hold the body
 };
 
-/// The way of one body at one peer.
+/// The path of one body at one peer.
 class Track {
  public:
-  /// Later than the last sample; others are ignored.
+  /// Adds a sample; samples that are not later than the last are ignored.
   void push(const TrackSample& sample);
   bool empty() const { return samples_.empty(); }
   const std::vector<TrackSample>& samples() const { return samples_; }
 
-  /// The state at `time`: position by the cubic that has the velocities of both samples, or
-  /// straight there and straight away where a hit came between them; speed and velocity linearly,
-  /// orientation on the sphere, the rest as at the sample before. Nothing before the first sample,
-  /// after the last one, and between two that are more than `max_gap` (ns) apart.
+  /// The state at `time`: position by the cubic that matches both velocities, or by two straight
+  /// lines if an impact came between them; speed and velocity linearly, orientation on the sphere,
+  /// the rest from the earlier sample. Nothing outside the samples, and between two that are more
+  /// than `max_gap` (ns) apart.
   std::optional<TrackSample> at(consensus::SessionTime time,
                                 consensus::SessionTime max_gap = INT64_MAX) const;
 
@@ -46,63 +46,63 @@ class Track {
   std::vector<TrackSample> samples_;
 };
 
-/// A remote state as it was carried to now and applied.
+/// A remote state, predicted to the present and applied.
 struct PredictionSample {
   consensus::PeerId from = 0;
   std::uint32_t body = 0;                  ///< index into the scene's bodies
-  consensus::SessionTime time = 0;         ///< ns, the now it was carried to
-  double age = 0.0;                        ///< s, from the sender's stamp to now
+  consensus::SessionTime time = 0;         ///< ns, time of the prediction
+  double age = 0.0;                        ///< s, since the sender's stamp
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, predicted
 };
 
-/// How far one spring of a user is stretched at the peer where that user sits.
+/// Stretch of one spring at its user's peer.
 struct StretchSample {
   consensus::SessionTime time = 0;  ///< ns, the start of a step, when hands have moved
   std::uint32_t body = 0;           ///< index into the scene's bodies
-  int users = 0;                    ///< how many of this peer's own users hold the body
-  double distance = 0.0;            ///< m, from the point of the body that is held to the anchor
+  int users = 0;                    ///< number of this peer's own users that hold the body
+  double distance = 0.0;            ///< m, from the held point to the anchor
 };
 
-/// Which bodies touched each other at one peer at one time.
+/// Pairs of bodies in contact at one peer at one time.
 struct ContactFrame {
   consensus::SessionTime time = 0;  ///< ns
-  /// (lower << 32) | higher index into the scene's bodies, ascending, each once; what is fixed has
-  /// no index and is left out.
+  /// (lower << 32) | higher index into the scene's bodies, ascending, each once; fixed parts are
+  /// left out.
   std::vector<std::uint64_t> pairs;
 };
 
-/// Everything that was seen of one peer. A peer in another process has tracks only.
+/// The observed run of one peer. A peer in another process has tracks only.
 struct PeerRecord {
   consensus::PeerId id = 0;
   double step_hz = 0.0;
   bool local = true;          ///< false: known by its updates alone
-  std::vector<Track> tracks;  ///< one for each body of the scene
+  std::vector<Track> tracks;  ///< one per body of the scene
   std::vector<PredictionSample> predictions;
-  std::vector<StretchSample> stretches;   ///< of its own users' springs, one for each and step
-  std::vector<consensus::PeerId> owners;  ///< of each body; 0 = everybody's; may be empty
+  std::vector<StretchSample> stretches;   ///< of its own users' springs, one per spring and step
+  std::vector<consensus::PeerId> owners;  ///< of each body; 0 = shared by all; may be empty
   std::vector<ContactFrame> contacts;     ///< at every look
   consensus::SessionTime epoch = 0;       ///< ns, of the inputs
   std::vector<double> step_s;             ///< wall time of each step of the solver
-  std::vector<double> penetration_m;      ///< of each overlapping pair in each frame looked at
+  std::vector<double> penetration_m;      ///< of each overlapping pair in each checked frame
   pbd::ConsensusEnergy energy;            ///< sum of all steps
-  consensus::SessionTime first_exchange = INT64_MAX;         ///< ns, the first update has come
+  consensus::SessionTime first_exchange = INT64_MAX;         ///< ns, of the first update
   double parse_s = 0.0, process_s = 0.0, aggregate_s = 0.0;  ///< CPU time
   double cpu_s = 0.0;      ///< CPU time of all steps: the peer's and the solver's
-  double targets_s = 0.0;  ///< wall time of Stage::Agree, where targets are
+  double targets_s = 0.0;  ///< wall time of Stage::Agree with the targets
   std::uint64_t updates_received = 0;
   std::uint64_t bodies_aggregated = 0;
   std::uint64_t bodies_placed = 0;
   std::uint64_t bytes_sent = 0;
-  double seconds = 0.0;        ///< s, session time that was simulated in company
+  double seconds = 0.0;        ///< s, session time simulated with other peers
   std::uint64_t hash = 0;      ///< of the world at the end
   Outcome outcome;             ///< score and what its users achieved
   std::vector<Series> series;  ///< of its users' devices
   std::vector<Input> inputs;   ///< of its users, user after user
-  std::string fault;           ///< the first thing that must never be; empty where nothing was
+  std::string fault;           ///< the first violated invariant; empty if none
 
-  /// The first one stays. @param at  s, from the start  @param text  empty where nothing is wrong
+  /// Keeps the first fault. @param at  s, from the start  @param text  empty = no fault
   void note_fault(double at, const std::string& text);
-  /// Is it a single peer's in the end?
+  /// True if a single peer owns the body at the end.
   bool owned(std::size_t body) const { return body < owners.size() && owners[body] != 0; }
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 
-// Two users at two peers play table tennis, each by what their own peer shows.
+// Two users at two peers play table tennis, each with only their own peer's view.
 
 #include "program/demo_main.h"
 #include "scenes/tennis.h"

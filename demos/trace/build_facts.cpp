@@ -16,7 +16,7 @@ std::string build_facts() {
   facts += ", glibc " + std::string(gnu_get_libc_version());
 #endif
 #if defined(__x86_64__)
-  // Sines and powers of the C library are other functions where there is a fused multiply-add.
+  // The C library selects other sines and powers on machines with fused multiply-add.
   __builtin_cpu_init();
   facts += __builtin_cpu_supports("fma") ? ", fma" : ", no fma";
 #endif

@@ -6,8 +6,9 @@
 
 namespace tandem::demos {
 
-/// What the last bits of a result may depend on besides the input, in one line: version, compiler
-/// and its flags, C library and instructions of this machine that it chooses functions by.
+/// All that the last bits of a result may depend on besides the input, in one line: version,
+/// compiler and flags, C library, and the instructions of this machine by which it selects
+/// functions.
 std::string build_facts();
 
 }  // namespace tandem::demos

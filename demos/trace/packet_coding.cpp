@@ -8,10 +8,10 @@ namespace tandem::demos {
 
 namespace {
 
-/// Equal bytes: fewer of them in a row cost more than they spare.
+/// A shorter run of equal bytes costs more than it saves.
 constexpr std::size_t kWorthwhile = 3;
 
-/// How many bytes are equal from here on.
+/// Number of equal bytes from `at` on.
 std::size_t equal_from(std::span<const std::byte> a, std::span<const std::byte> b, std::size_t at) {
   std::size_t end = at;
   while (end < a.size() && a[end] == b[end]) ++end;
@@ -69,7 +69,7 @@ bool decode_packet(std::span<const std::byte> in, std::size_t& at, std::span<std
     if (same > packet.size() - filled) return false;
     filled += static_cast<std::size_t>(same);
     if (others > packet.size() - filled || others > in.size() - at) return false;
-    // Runs of nothing would never end.
+    // Empty runs would never end.
     if (same == 0 && others == 0) return false;
     std::copy_n(in.begin() + static_cast<std::ptrdiff_t>(at), others,
                 packet.begin() + static_cast<std::ptrdiff_t>(filled));

@@ -12,12 +12,12 @@
 
 namespace tandem::demos {
 
-/// The last packets of a trace, by sender and length. A peer's packet of states names the same
-/// bodies as its last one, and most of them have not moved: what differs is little. Bounded, and no
-/// allocation once its buffers have grown.
+/// The last packets of a trace, by sender and length. A peer's state packet names the same bodies
+/// as its last one, and most have not moved, so packets differ little. Bounded, and no allocation
+/// once its buffers have grown.
 class PacketHistory {
  public:
-  /// The last one of this sender that was as long; empty where none is known.
+  /// The last one of this sender with this length; empty if there is none.
   std::span<const std::byte> like(consensus::PeerId from, std::size_t length) const;
   void remember(consensus::PeerId from, std::span<const std::byte> packet);
 
@@ -30,17 +30,18 @@ class PacketHistory {
   std::size_t find(consensus::PeerId from, std::size_t length) const;
 
   std::array<Slot, kSlots> slots_;
-  std::size_t next_ = 0;  ///< to be replaced
+  std::size_t next_ = 0;  ///< next to be replaced
 };
 
-/// Appends how `packet` differs from `base`, which is as long: runs of equal bytes and of others.
+/// Appends the difference of `packet` from `base`, of equal length: runs of equal bytes and of
+/// others.
 void code_packet(std::span<const std::byte> packet, std::span<const std::byte> base,
                  std::vector<std::byte>& out);
-/// The way back. Reads from `at` on and moves it. @param packet  in: the base; out: the packet
-/// @return false where the bytes say something else than a packet of this length; any is in it then
+/// Decodes from `at` on and moves it. @param packet  in: the base; out: the packet
+/// @return false if the bytes do not encode a packet of this length; its content is then undefined
 bool decode_packet(std::span<const std::byte> in, std::size_t& at, std::span<std::byte> packet);
 
-/// A varint of up to 64 bits at `at`, which it moves; false where it is longer or the bytes end.
+/// A varint of up to 64 bits at `at`, which it moves; false if it is longer or the bytes end.
 bool read_varint(std::span<const std::byte> in, std::size_t& at, std::uint64_t& value);
 void write_varint(std::uint64_t value, std::vector<std::byte>& out);
 

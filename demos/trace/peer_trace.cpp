@@ -16,7 +16,7 @@ namespace {
 std::FILE* open_file(const std::string& path) {
   std::FILE* const file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) throw std::system_error(errno, std::generic_category(), "--trace = " + path);
-  // What is in a buffer is lost in a crash.
+  // Unbuffered: a crash loses buffered output.
   std::setvbuf(file, nullptr, _IONBF, 0);
   return file;
 }

@@ -19,28 +19,26 @@
 
 namespace tandem::demos {
 
-/// The header of a peer's trace.
 TraceHeader trace_header(const Scenario& scenario, const DemoOptions& options, consensus::PeerId id,
                          std::size_t number);
 
-/// Writes down what happens to one peer: stands between it and its transport, and watches its
-/// steps. Each record is in the file before what it tells has any effect, so that of a crash all is
-/// there but the step's hashes.
+/// Records everything that happens to one peer: sits between it and its transport, and watches its
+/// steps. Each record is in the file before it takes effect, so that a crash loses only the step's
+/// hashes.
 /// @par Thread safety  One object: the thread that steps the peer's world.
 class PeerTrace final : public StepWatch, private TraceSink {
  public:
   /// @param path   of the file, which is replaced     @param inner  must outlive it
-  /// @throws std::system_error where the file cannot be opened
+  /// @throws std::system_error if the file cannot be opened
   PeerTrace(const TraceHeader& header, const std::string& path, consensus::Transport& inner);
   ~PeerTrace() override;
   PeerTrace(const PeerTrace&) = delete;
   PeerTrace& operator=(const PeerTrace&) = delete;
 
-  /// To be handed to the peer.
   consensus::Transport& transport() { return transport_; }
-  /// The run is over: says in the file that it is complete. No further calls.
+  /// Marks the file as complete after the run. No further calls.
   void close();
-  /// Why the file is not complete; empty where all was written. The run goes on all the same.
+  /// Why the file is incomplete; empty if it is complete. The run continues regardless.
   const std::string& trouble() const { return trouble_; }
 
   // StepWatch
@@ -71,17 +69,18 @@ class PeerTrace final : public StepWatch, private TraceSink {
   TraceWriter writer_;
   TracingTransport transport_;
   StageHashes hashes_;
-  TraceRecord record_;  ///< scratch, kept for its memory
+  TraceRecord record_;  ///< scratch, kept for its capacity
   std::uint64_t steps_ = 0;
 };
 
-/// As --trace asks for it; null where it is not given.
-/// @param one_of_many  other peers are in this process: the file's name ends with "." and the id
+/// The trace of --trace; null without that option.
+/// @param one_of_many  other peers are in this process: "." and the id are appended to the file's
+/// name
 std::unique_ptr<PeerTrace> open_trace(const Scenario& scenario, const DemoOptions& options,
                                       consensus::PeerId id, std::size_t number,
                                       consensus::Transport& inner, bool one_of_many = false);
 
-/// Ends it and says on standard error where it is not complete. @param trace  may be null
+/// Ends a trace, with a warning on standard error if it is incomplete. @param trace  may be null
 void close_trace(PeerTrace* trace);
 
 }  // namespace tandem::demos

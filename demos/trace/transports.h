@@ -14,8 +14,8 @@
 
 namespace tandem::demos {
 
-/// Calls of a transport in one phase, each kind counted by itself: so an answer finds its call
-/// again even where a changed program makes other calls between.
+/// Calls of a transport in one phase, counted by kind: an answer then finds its call even if a
+/// changed program makes other calls between.
 struct TransportCalls {
   std::uint64_t drains = 0;
   std::uint64_t looks = 0;  ///< of peers()
@@ -23,21 +23,21 @@ struct TransportCalls {
   std::array<std::uint64_t, 2> limits{};  ///< of max_packet_bytes(), by delivery
 };
 
-/// Whether two lists of peers are the same as far as traces have them.
+/// True if two lists of peers are equal in the fields of traces.
 bool same_in_trace(std::span<const consensus::PeerStatus> a,
                    std::span<const consensus::PeerStatus> b);
 
-/// Where a TracingTransport puts what it hears.
+/// Receives the answers heard by a TracingTransport.
 class TraceSink {
  public:
   virtual ~TraceSink() = default;
-  /// `call` is of the phase. May throw nothing.
+  /// `call` is its index in the phase. Must not throw.
   virtual void packets(std::uint64_t call, std::span<const consensus::Packet> packets) = 0;
   virtual void answer(const TraceRecord& record) = 0;
 };
 
-/// Passes everything on, and writes down each answer that is not what the reader of a trace takes
-/// for granted: nothing came, posts are taken, all else is as before.
+/// Passes everything on, and records each answer that differs from the reader's default: no
+/// packets, posts accepted, all else unchanged.
 /// @par Thread safety  One object: one thread at a time.
 class TracingTransport final : public consensus::Transport {
  public:
@@ -60,23 +60,23 @@ class TracingTransport final : public consensus::Transport {
   consensus::Transport& inner_;
   TraceSink& sink_;
   SentHash sent_;
-  // What is asked changes nothing but what is remembered of it.
+  // Queries change only the record of the answers.
   mutable TransportCalls calls_;
   mutable TraceRecord answer_;
   mutable std::vector<consensus::PeerStatus> peers_;
   mutable std::array<std::uint64_t, 2> limits_{};
 };
 
-/// Answers as a trace has it. Counts of packets and bytes and reasons are not in a trace: zero and
+/// Answers as recorded in a trace. Counts of packets, bytes and reasons are not recorded: zero and
 /// empty here.
 /// @par Thread safety  One object: one thread at a time.
 class ReplayTransport final : public consensus::Transport {
  public:
   explicit ReplayTransport(consensus::PeerId self) : self_(self) {}
 
-  /// The answers of the phase to come; must outlive it.
+  /// The answers of the coming phase; must outlive it.
   void begin_phase(std::span<const TraceRecord> answers);
-  /// Whether packets of the phase were never asked for.
+  /// True if packets of the phase were never asked for.
   bool left_over() const;
   SentHash& sent() { return sent_; }
 

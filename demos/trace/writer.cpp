@@ -92,7 +92,7 @@ void TraceWriter::packet(const consensus::Packet& packet) {
   u8(static_cast<std::uint8_t>((dated ? kDated : 0) | (coded ? kCoded : 0) |
                                denied << kDeniedShift));
   if (dated) {
-    // Wraps, whatever a transport says.
+    // Wraps for any value from a transport.
     signed_varint(static_cast<std::int64_t>(static_cast<std::uint64_t>(packet.received) -
                                             static_cast<std::uint64_t>(last_time_)));
   }

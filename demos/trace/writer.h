@@ -13,27 +13,27 @@
 
 namespace tandem::demos {
 
-/// Turns a trace into bytes; docs/trace.md has the form. Whoever calls keeps the order of records
-/// that TraceReader asks for. No allocation once its buffers have grown.
+/// Encodes a trace; docs/trace.md has the format. The caller keeps the order of records that
+/// TraceReader expects. No allocation once its buffers have grown.
 /// @par Thread safety  One object: one thread at a time.
 class TraceWriter {
  public:
-  /// The header is in bytes() then.
+  /// bytes() then has the header.
   explicit TraceWriter(const TraceHeader& header);
 
   /// Appends a record; an End gets its checksum here.
   void write(const TraceRecord& record);
-  /// The same of Packets that are not in a record.
+  /// The same for Packets outside a record.
   void write_packets(std::uint64_t call, std::span<const consensus::Packet> packets);
 
-  /// What was written since the last clear(), until the next record.
+  /// The bytes since the last clear(), valid until the next record.
   std::span<const std::byte> bytes() const { return out_; }
   void clear() { out_.clear(); }
 
  private:
   void u8(std::uint8_t value) { payload_.push_back(static_cast<std::byte>(value)); }
   void varint(std::uint64_t value) { write_varint(value, payload_); }
-  /// Small where the value is near 0 on either side.
+  /// Short for values near 0.
   void signed_varint(std::int64_t value);
   void u64(std::uint64_t value);
   void f64(double value);
@@ -44,12 +44,12 @@ class TraceWriter {
   void inputs(const TraceRecord& record);
   void stage(const StageHash& stage, std::vector<std::uint32_t>& before);
   void emit(TraceKind kind);
-  /// From `first` on, what is in out_ is part of what the checksum is of.
+  /// Adds out_ from `first` on to the checksum.
   void sum_up(std::size_t first);
 
   std::vector<std::byte> out_;
-  std::vector<std::byte> payload_;  ///< of the record under way
-  std::vector<std::byte> coded_;    ///< a packet under way
+  std::vector<std::byte> payload_;  ///< of the present record
+  std::vector<std::byte> coded_;    ///< the present packet
   PacketHistory history_;
   std::uint64_t checksum_;
   consensus::SessionTime last_time_ = 0;

@@ -7,14 +7,13 @@
 
 namespace tandem::demos::view {
 
-/// A file of the page.
 struct Asset {
   std::string_view path;  ///< "" is the page itself
   std::string_view mime;
   std::string_view bytes;
 };
 
-/// The page and all that it loads, as they were built in.
+/// The page and all its files, built in.
 std::span<const Asset> page_assets();
 
 }  // namespace tandem::demos::view

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Leaves the reading of a command; never the reader.
+/// Ends the reading of a command; caught within the reader.
 class Refusal : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -29,11 +29,10 @@ std::string shortened(const Json& value) {
   return text;
 }
 
-/// The fields of one command.
 class Fields {
  public:
   explicit Fields(const Json& object) : object_(object) {}
-  /// @param setting  what the field "value" is called where it is refused
+  /// @param setting  name of the field "value" in refusals
   Fields(const Fields& of, std::string setting)
       : object_(of.object_), setting_(std::move(setting)) {}
 
@@ -62,7 +61,7 @@ class Fields {
     const auto found = object_.find(name);
     const double value =
         found != object_.end() && found->is_number() ? found->get<double>() : std::nan("");
-    // Written so that NaN is refused as well.
+    // Written so that NaN is refused too.
     if (!(value >= low && value <= high)) refuse(name, rule);
     return value;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What a page is told in words.
+// JSON messages to a page.
 #include <utility>
 
 #include "measures/json.h"
@@ -15,7 +15,6 @@ void write(JsonWriter& json, const pbd::Vec3& v) {
   json.begin_array().value(v.x()).value(v.y()).value(v.z()).end_array();
 }
 
-/// The fields of a shape.
 struct ShapeWriter {
   JsonWriter& json;
 
@@ -119,7 +118,7 @@ void write_choices(JsonWriter& json) {
   json.key("influence").begin_array().value(0.0).value(kMaxInfluence).end_array().end_object();
 }
 
-/// Whether a body is a ball about its centre, so that nobody sees it turn.
+/// True for a single ball about the body's centre: its rotation is invisible.
 bool is_ball(const SceneBody& body) {
   return body.parts.size() == 1 &&
          std::holds_alternative<collision::Sphere>(body.parts.front().shape) &&

@@ -16,16 +16,16 @@ constexpr std::uint8_t kKey = 1;
 constexpr std::uint8_t kOverlays = 2;
 constexpr std::uint32_t kMiddle = 0x100000;  // of 21 bits
 constexpr double kTurnSteps = 511.0;
-constexpr std::size_t kMaxMarks = 16384;  // of each kind in a pane
+constexpr std::size_t kMaxMarks = 16384;  // per kind and pane
 
 std::uint32_t position_bits(double value, double unit) {
   const double steps = std::round(value / unit) + kMiddle;
-  // Written so that NaN is somewhere as well.
+  // Written so that NaN gives 0.
   if (!(steps >= 0.0)) return 0;
   return static_cast<std::uint32_t>(std::min(steps, 2.0 * kMiddle - 1.0));
 }
 
-/// The smallest three, after the largest, which is made positive.
+/// The smallest three components, with the sign of the largest made positive.
 std::uint32_t turn_bits(const pbd::Quat& q) {
   const std::array<double, 4> parts = {q.x(), q.y(), q.z(), q.w()};
   std::size_t largest = 0;
@@ -62,7 +62,7 @@ class Writer {
   void vec3(const pbd::Vec3& v) {
     for (const double value : {v.x(), v.y(), v.z()}) f32(value);
   }
-  /// How many of them are written.
+  /// The number to write.
   std::size_t count(std::size_t all) {
     const std::size_t kept = std::min(all, kMaxMarks);
     put(static_cast<std::uint16_t>(kept));
@@ -138,7 +138,7 @@ bool FrameEncoder::take(const Frame& frame, bool always) {
   }
   records_.swap(next_);
   frame_ = frame;
-  // Where there are other panes, nobody has the frame of the number before: all get a key frame.
+  // After a change of panes no page has the previous number: all get a key frame.
   number_ += as_many || number_ == 0 ? 1 : 2;
   written_.fill(nullptr);
   return true;

@@ -19,9 +19,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// s: where the machine is slower than the clock, the run is late by no more than this.
+/// s: bound on the lag of a run on a machine slower than the clock.
 constexpr double kLatest = 0.1;
-/// How long a run that is over waits for a page that looks on to ask for another one.
+/// How long a finished run waits for a page to ask for another one.
 constexpr std::chrono::seconds kEncore{60};
 
 class Runner {
@@ -57,13 +57,13 @@ class Runner {
 
  private:
   bool over() const { return !options_.endless && session_.time() >= options_.seconds; }
-  /// It is over, and nobody asks for another one.
+  /// It is over, and no page asks for another one.
   bool finished() const {
     if (!over_since_) return false;
     return server_.pages() == 0 || Clock::now() - *over_since_ > kEncore;
   }
 
-  /// Pages are told once that the run is over; it may have begun again since.
+  /// Tells pages once that the run is over, unless it has restarted since.
   void look_at_the_end() {
     if (!over()) {
       over_since_.reset();
@@ -99,7 +99,7 @@ class Runner {
     server_.tell(settings_text(session_.settings()));
   }
 
-  /// As far as the clock has come since the last time.
+  /// Advances to the present time.
   void go_on() {
     const Clock::time_point now = Clock::now();
     const std::chrono::duration<double> passed = now - last_;
@@ -114,7 +114,7 @@ class Runner {
   Frame frame_;
   std::vector<PageEvent> events_;
   Clock::time_point last_ = Clock::now();
-  std::optional<Clock::time_point> over_since_;  ///< none: it goes on
+  std::optional<Clock::time_point> over_since_;  ///< none: the run continues
 };
 
 }  // namespace

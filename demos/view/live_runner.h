@@ -10,16 +10,16 @@
 
 namespace tandem::demos::view {
 
-/// Whether this build has the page and its server; where it has not, nothing below may be called.
+/// True if this build has the page and its server; otherwise nothing below may be called.
 bool has_view();
 
-/// What it would need and where to read of it, for people.
+/// The missing dependency and its documentation, for people.
 std::string missing();
 
-/// A run in virtual time at the pace of the clock, shown on a page and played with from there,
-/// until it has lasted as long as it should or is stopped.
-/// @throws std::invalid_argument where scenario, link or address refuse the options,
-///   std::runtime_error where the page cannot be served
+/// A run in virtual time at the pace of the clock, shown on a page with controls, until its end or
+/// until it is stopped.
+/// @throws std::invalid_argument if scenario, link or address refuse the options,
+///   std::runtime_error if the page cannot be served
 RunResult run_live(const Scenario& scenario, const DemoOptions& options);
 
 }  // namespace tandem::demos::view

@@ -14,7 +14,7 @@ using consensus::SessionTime;
 
 namespace {
 
-constexpr double kStepByHand = 1.0 / 60.0;  // s, of one step by hand
+constexpr double kStepByHand = 1.0 / 60.0;  // s, of a manual step
 
 SessionTime session_time(double seconds) { return kVirtualStart + std::llround(1e9 * seconds); }
 
@@ -44,7 +44,7 @@ DemoOptions LiveSession::beside_options() const {
 void LiveSession::restart() {
   now_ = kVirtualStart;
   const std::vector<Input>* const replay = replay_ ? &*replay_ : nullptr;
-  // What begins again begins its traces again: the old ones are closed before.
+  // A restart restarts its traces: the old ones are closed before.
   run_.reset();
   run_ = std::make_unique<LiveWorlds>(scenario_, options_, replay);
   beside_.reset();
@@ -80,7 +80,7 @@ void LiveSession::each_mouse(const Action& act) {
 }
 
 std::optional<std::string> LiveSession::apply(PageId page, const Command& command) {
-  // Whatever was valid by the rules of commands may still not be for a peer.
+  // A command that is valid for the reader may still be invalid for a peer.
   try {
     if (const auto* const hold = std::get_if<Grab>(&command)) {
       grab(page, *hold);
@@ -123,7 +123,7 @@ void LiveSession::grab(PageId page, const Grab& grab) {
   if (grab.pane >= panes()) {
     pbd::detail::refuse("pane", "one that is shown", std::to_string(grab.pane));
   }
-  // The same point of the body in both runs, wherever the other one has the body.
+  // The same point of the body in both runs, at its own place in each.
   const std::size_t peer = grab.pane % peers();
   const pbd::Vec3 attachment_l = held_at(scene(grab.pane), grab.body, grab.point);
   run_->mouse(peer).grab(page, grab.id, grab.body, attachment_l);
@@ -152,12 +152,12 @@ void LiveSession::set_beside(std::optional<Scheme> scheme) {
     beside_scheme_ = before;
     throw;
   }
-  // Only what begins alike can be compared.
+  // Only runs with a common start can be compared.
   restart();
 }
 
 void LiveSession::change_rules(const DemoOptions& options) {
-  // Nobody is left without a peer half way.
+  // Validates all options first, so that no peer is replaced alone.
   for (std::size_t i = 0; i < peers(); ++i) {
     options.peer_options(options.scheme_of(i)).validate();
   }

@@ -55,8 +55,8 @@ void LiveWorlds::advance_to(SessionTime end) {
 void LiveWorlds::set_links(const DemoOptions& options) { options.set_links(session_.network()); }
 
 void LiveWorlds::change_rules(const DemoOptions& options) {
-  // States of the peers that were are none of the new ones'. What is sent reliably still comes: a
-  // grip of the last moments may pull twice until it has not been heard of for a second.
+  // Drops states of the replaced peers. Reliable packets still arrive: a recent grip may pull twice
+  // until it has been silent for a second.
   for (std::size_t from = 1; from <= size(); ++from) {
     for (std::size_t to = 1; to <= size(); ++to) {
       if (from == to) continue;
@@ -113,7 +113,7 @@ void LiveWorlds::show_overlays(std::size_t peer, std::size_t first, PaneFrame& o
                            target.position});
   }
   for (std::size_t body = 0; body < out.influence.size(); ++body) {
-    // What it asks for is what the others heard of it.
+    // A peer's share is the maximum that the others received from it.
     double share = 0.0;
     for (std::size_t other = 0; other < size(); ++other) {
       if (other != peer) share = std::max(share, peers_[other].watch->share(peer + 1, body));

@@ -16,13 +16,13 @@
 
 namespace tandem::demos::view {
 
-/// One session in virtual time whose peers are all watched, each with a user whose hands are on
-/// pages. Same calls, same bits.
+/// One session in virtual time; all peers are watched, and each has a user at pages. Same calls,
+/// same bits.
 /// @par Thread safety  One object: one thread at a time.
 class LiveWorlds {
  public:
   /// Scenario and replay must outlive it.
-  /// @param replay  what the scripted users do; null: their script
+  /// @param replay  the scripted users' inputs; null: their script
   /// @throws as run_virtual
   LiveWorlds(const Scenario& scenario, const DemoOptions& options,
              const std::vector<Input>* replay);
@@ -35,33 +35,32 @@ class LiveWorlds {
   Mouse& mouse(std::size_t peer) { return *peers_[peer].mouse; }
   const Mouse& mouse(std::size_t peer) const { return *peers_[peer].mouse; }
 
-  /// Everything that happens up to `end`, ns, happens.
+  /// Runs all events up to `end`, ns.
   void advance_to(consensus::SessionTime end);
-  /// Other links between the peers.
   void set_links(const DemoOptions& options);
-  /// Agree by other rules from now on.
   void change_rules(const DemoOptions& options);
 
-  /// All worlds as they are at one instant: between the two steps of each peer about it, marks too.
+  /// Shows all worlds at one instant: bodies and marks are interpolated between each peer's two
+  /// steps around it.
   /// @param now    ns; not before the last advance_to(), and before the next step
-  /// @param out    a frame of each peer
-  /// @param first  place of the first of them among all panes that are shown
+  /// @param out    a frame per peer
+  /// @param first  index of the first of them among all panes
   void show(consensus::SessionTime now, std::span<PaneFrame> out, std::size_t first, bool overlays);
-  /// What was recorded so far, of each peer.
+  /// The record so far of each peer.
   std::vector<PeerRecord> records();
-  /// What each peer and its users have achieved so far.
+  /// The scores so far of each peer and its users.
   void append_outcomes(std::vector<Outcome>& out);
 
  private:
   struct Peer {
     Actor* actor = nullptr;
     std::unique_ptr<PaneWatch> watch;
-    Mouse* mouse = nullptr;                  ///< the participant's
-    std::vector<pbd::Pose> before;           ///< of the bodies when the last step began
+    Mouse* mouse = nullptr;                  ///< owned by the participant
+    std::vector<pbd::Pose> before;           ///< of the bodies at the start of the last step
     consensus::SessionTime before_time = 0;  ///< ns
   };
   void keep_poses(Peer& peer);
-  /// Poses at `now`. @return s, from then to where the peer's world is
+  /// Poses at `now`. @return s, from then to the time of the peer's world
   double show_poses(const Peer& peer, consensus::SessionTime now,
                     std::vector<pbd::Pose>& out) const;
   void show_overlays(std::size_t peer, std::size_t first, PaneFrame& out);

@@ -12,20 +12,20 @@
 
 namespace tandem::demos::view {
 
-/// The user of a pane whose hands are on pages: each grip is a soft spring of that peer like any
-/// user's, and all other peers hear of it. What pages do takes effect at the peer's next step.
+/// The user of a pane whose hands are on pages: each grip is an ordinary soft spring of that peer,
+/// sent to all others. Commands take effect at the peer's next step.
 /// @par Thread safety  One object: the thread of its peer.
 class Mouse final : public User {
  public:
   /// Must outlive it.
   explicit Mouse(Controls& controls) : controls_(controls) {}
 
-  /// Hold the body at that point (m, frame of the body). @pre the body is there
+  /// Holds the body at that point (m, frame of the body). @pre the body is in the scene
   void grab(PageId page, std::uint32_t id, std::size_t body, const pbd::Vec3& attachment_l);
-  /// No effect where the page holds nothing by that number.
+  /// No effect if the page holds nothing by that number.
   void move(PageId page, std::uint32_t id, const pbd::Vec3& point);
   void release(PageId page, std::uint32_t id);
-  /// All that the page holds.
+  /// Releases all grips of the page.
   void leave(PageId page);
 
   void update(consensus::SessionTime now) override;
@@ -38,8 +38,8 @@ class Mouse final : public User {
     std::size_t body = 0;
     pbd::Vec3 attachment_l = pbd::Vec3::Zero();  ///< m, frame of the body
     PointerHand hand;
-    pbd::Vec3 wanted_w = pbd::Vec3::Zero();  ///< m, where the page wants it
-    std::uint32_t spring = 0;                ///< of the controls; 0 = not yet
+    pbd::Vec3 wanted_w = pbd::Vec3::Zero();  ///< m, target of the page
+    std::uint32_t spring = 0;                ///< of the controls; 0 = not yet attached
     bool released = false;
   };
   Grip* find(PageId page, std::uint32_t id);
@@ -48,8 +48,8 @@ class Mouse final : public User {
   std::vector<Grip> grips_;
 };
 
-/// m, frame of the body: the point of its bounding box that is nearest to a point (m, world). A
-/// page has seen the body a moment ago, so that what it touches may be next to it by now.
+/// m, frame of the body: the point of its bounding box nearest to `point` (m, world). The page saw
+/// the body slightly earlier, so the touched point may be off the body by now.
 pbd::Vec3 held_at(const Scene& scene, std::size_t body, const pbd::Vec3& point);
 
 }  // namespace tandem::demos::view

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// In place of the view, where it was left out.
+// Replaces the view in builds without it.
 #include <stdexcept>
 
 #include "view/live_runner.h"

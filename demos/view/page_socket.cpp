@@ -16,10 +16,10 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Error = boost::system::error_code;
 
-constexpr std::chrono::seconds kIdle{10};      // with a page that is gone
-constexpr std::chrono::seconds kHandshake{3};  // at the beginning and at the end of a socket
-constexpr std::size_t kMaxWords = 256;         // waiting for one page
-constexpr int kSocketBytes = 64 * 1024;        // what waits in the system is old when it is seen
+constexpr std::chrono::seconds kIdle{10};      // for a page that is gone
+constexpr std::chrono::seconds kHandshake{3};  // for opening and for closing a socket
+constexpr std::size_t kMaxWords = 256;         // queued for one page
+constexpr int kSocketBytes = 64 * 1024;        // data queued in the system is old when it is seen
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void PageSocket::start(Request request) {
   socket_.set_option(timeout);
   socket_.read_message_max(kMaxBytes);
   socket_.auto_fragment(false);
-  // What a slow page has not read yet is to wait here, where the newest wins.
+  // Data that a slow page has not read is to wait here, where the newest frame wins.
   Error ignored;
   beast::get_lowest_layer(socket_).socket().set_option(
       asio::socket_base::send_buffer_size(kSocketBytes), ignored);

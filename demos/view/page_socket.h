@@ -18,25 +18,25 @@
 
 namespace tandem::demos::view {
 
-/// What a page's socket asks and tells; it is asked on the thread that the socket runs on.
+/// Callbacks of a page's socket, on the socket's thread.
 class PageHost {
  public:
   virtual ~PageHost() = default;
-  /// What pages are told first; "" = not known yet.
+  /// The first message to pages; "" = not known yet.
   virtual const std::string& hello() const = 0;
   virtual FrameEncoder& encoder() = 0;
   virtual void heard(PageId page, Command command) = 0;
-  /// A page draws overlays from now on, or does no longer.
+  /// A page starts or stops drawing overlays.
   virtual void wants_changed() = 0;
-  /// A frame is on its way to a page.
+  /// A frame is being sent to a page.
   virtual void sent(bool key, std::size_t bytes) = 0;
-  /// A page was not done with the last frame when there was another one.
+  /// A page skipped a frame: it was still busy with the last one.
   virtual void missed() = 0;
-  /// @param opened  false: it was never there
+  /// @param opened  false: the socket never opened
   virtual void gone(PageId page, bool opened) = 0;
 };
 
-/// One page's socket: words first, else the newest frame, where the page has not got it.
+/// One page's socket: text messages first, then the newest frame that the page does not have.
 /// @par Thread safety  One object: the thread of its socket.
 class PageSocket : public std::enable_shared_from_this<PageSocket> {
  public:
@@ -45,16 +45,16 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
   /// Host and layout must outlive it.
   PageSocket(PageHost& host, PageId id, const Layout& layout, boost::beast::tcp_stream&& stream);
 
-  /// @param request  that asked for the upgrade
+  /// @param request  for the upgrade
   void start(Request request);
-  /// The words that come before all others; nothing is said before them.
+  /// Sends the hello; nothing is sent before it.
   void greet();
-  /// May close it.
+  /// May close the socket.
   void say(std::shared_ptr<const std::string> text);
-  /// There is a new frame.
+  /// Sends a new frame when possible.
   void show();
   void close();
-  /// The program ends: the page is told so, and need not try again.
+  /// Closes the socket and tells the page not to reconnect.
   void say_goodbye();
   bool wants_overlays() const { return overlays_; }
 
@@ -73,7 +73,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
   boost::beast::flat_buffer incoming_{kMaxBytes};
   std::deque<std::shared_ptr<const std::string>> words_;
   std::shared_ptr<const std::string> text_;  ///< being written
-  FrameEncoder::Bytes frame_;                ///< likewise
+  FrameEncoder::Bytes frame_;                ///< being written
   std::uint32_t sent_ = 0;                   ///< number of the last frame
   bool open_ = false;
   bool greeted_ = false;

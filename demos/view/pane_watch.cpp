@@ -15,9 +15,9 @@ namespace tandem::demos::view {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kMaxPeers = 64;       // whose shares are kept
-constexpr std::size_t kMaxContacts = 1024;  // more than anybody can see
-constexpr double kAgeMemory = 0.9;          // of the mean age, from step to step
+constexpr std::size_t kMaxPeers = 64;       // peers whose shares are kept
+constexpr std::size_t kMaxContacts = 1024;  // more than visible
+constexpr double kAgeMemory = 0.9;          // weight of the old mean age per step
 
 }  // namespace
 

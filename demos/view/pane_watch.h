@@ -15,8 +15,8 @@
 
 namespace tandem::demos::view {
 
-/// What one peer thinks of the others: where it believes them to have the bodies, how old their
-/// news are, what share they ask for, and how far apart the copies are.
+/// One peer's view of the others: estimated positions of their bodies, age of their updates,
+/// requested shares, and divergence.
 /// @par Thread safety  One object: the thread of its peer.
 class PaneWatch final : public consensus::PeerObserver {
  public:
@@ -29,49 +29,50 @@ class PaneWatch final : public consensus::PeerObserver {
     std::size_t body = 0;
     pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, world
   };
-  /// Of the last step in which there were any.
+  /// Of the last step with targets.
   const std::vector<Target>& targets() const { return targets_; }
-  /// s, of late; NaN: there were no news.
+  /// s, smoothed; NaN: no updates.
   double mean_age() const;
-  /// m: of each body where the other's copy and ours were at the stamp of its last state; likewise
-  /// of the last step.
+  /// m: distance of each body's two copies at the stamp of the other's last state; of the last step
+  /// with updates.
   const std::vector<double>& distances() const { return distances_; }
-  /// What a peer asked for last, 0 to 1; 0 = nothing was heard.
+  /// A peer's last requested share, 0 to 1; 0 = none heard.
   double share(consensus::PeerId peer, std::size_t body) const;
-  /// As if nothing was heard yet.
+  /// Forgets everything heard.
   void forget();
 
  private:
-  std::size_t index_of(const consensus::SharedId& id) const;  ///< SIZE_MAX: none of the scene's
+  std::size_t index_of(const consensus::SharedId& id) const;  ///< SIZE_MAX: not in the scene
   void turn(consensus::SessionTime now);
 
   std::vector<std::pair<consensus::SharedId, std::size_t>> index_;  ///< by id
   std::map<consensus::PeerId, std::vector<float>> shares_;
   std::vector<Target> targets_;
   std::vector<double> distances_;
-  consensus::SessionTime now_ = 0;  ///< ns, of the step that is being told of
+  consensus::SessionTime now_ = 0;  ///< ns, of the present step
   double age_sum_ = 0.0;            ///< s
   double age_count_ = 0.0;
   double mean_age_ = 0.0;
   bool heard_ = false;
 };
 
-/// What may be drawn over a pane: its contacts.
-/// @param poses  of the scene's bodies as they are drawn
+/// Contacts to draw over a pane.
+/// @param poses  of the scene's bodies as drawn
 void append_contacts(const Scene& scene, std::span<const pbd::Pose> poses,
                      std::vector<ContactMark>& out);
 
-/// Its springs. A peer does not tell whose one is, but whose it is has it as well, to the bit.
-/// @param poses  of the scene's bodies as they are drawn
+/// Springs to draw over a pane. A peer's springs have no user; the user's peer has an identical
+/// one.
+/// @param poses  of the scene's bodies as drawn
 /// @param springs  of the peer @param own  the pane itself
 /// @param holder  the pane whose user holds a body (its index) by a spring at this point of it;
-///   SpringMark::kElsewhere: none
+/// SpringMark::kElsewhere: none
 void append_springs(const Scene& scene, std::span<const pbd::Pose> poses,
                     std::span<const pbd::Tether::Def> springs, std::uint8_t own,
                     const std::function<std::uint8_t(std::size_t, const pbd::Vec3&)>& holder,
                     std::vector<SpringMark>& out);
 
-/// The median and the largest of some lengths, mm; NaN where there are none. Reorders them.
+/// Median and maximum of some lengths, mm; NaN for an empty list. Reorders them.
 void put_divergence(std::vector<double>& lengths_m, PaneFrame& out);
 
 }  // namespace tandem::demos::view

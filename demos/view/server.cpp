@@ -23,9 +23,9 @@ using page_server::Place;
 using page_server::UpgradeRequest;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kSameAgain{500};  // between two frames in which nothing moves
+constexpr std::chrono::milliseconds kSameAgain{500};  // between two frames without motion
 
-/// For people who have lost part of the address.
+/// For visitors with an incomplete address.
 constexpr std::string_view kHelp =
     "<p>A Tandem program is running here, but its page has a secret in its address, which is drawn "
     "anew at each start.</p>"
@@ -44,7 +44,7 @@ page_server::Options web_options(const ServerOptions& options) {
 
 }  // namespace
 
-/// Everything below runs on the server's thread unless it says otherwise.
+/// Members run on the server's thread unless noted otherwise.
 class Server::Impl final : public PageHost, public page_server::Site {
  public:
   Impl(const ServerOptions& options, Layout layout, std::span<const Asset> assets)
@@ -150,12 +150,12 @@ class Server::Impl final : public PageHost, public page_server::Site {
   std::string hello_;
   Clock::time_point last_taken_;
   PageId next_page_ = 1;
-  std::map<PageId, Page> pages_;  // after the server, whose thread is theirs
+  std::map<PageId, Page> pages_;  // destroyed before the server, whose thread uses them
   Frame current_;
 
   mutable std::mutex mutex_;
   Frame pending_;             // under mutex_
-  bool has_pending_ = false;  // likewise
+  bool has_pending_ = false;  // under mutex_
   std::vector<PageEvent> events_;
   Counters counters_;
   std::atomic<bool> wants_overlays_ = false;
@@ -178,7 +178,7 @@ void Server::Impl::take_hello(std::string text) {
 
 void Server::Impl::tell_all(const std::string& text) {
   const auto shared = std::make_shared<const std::string>(text);
-  // Of a copy: who has too many words waiting is closed, and no page any more.
+  // Iterates over a copy: a page with too many queued messages is closed and removed.
   for (const auto& [id, page] : std::map(pages_)) page.socket->say(shared);
 }
 
@@ -195,7 +195,7 @@ void Server::Impl::take_frame() {
     std::swap(current_, pending_);
     has_pending_ = false;
   }
-  // Nobody looks; who comes sees the next one whole.
+  // Without pages: the next one to come gets a full frame.
   if (pages_.empty()) return;
   const Clock::time_point now = Clock::now();
   if (!encoder_.take(current_, now - last_taken_ >= kSameAgain)) return;

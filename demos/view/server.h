@@ -21,20 +21,20 @@ struct ServerOptions {
   std::size_t max_connections = 64;   ///< of any kind
 };
 
-/// A page is gone: what it held is let go.
+/// A page is gone: its grabs end.
 struct Left {};
 struct PageEvent {
   PageId page = 0;
   std::variant<Command, Left> what;
 };
 
-/// Serves the page and talks to it, on a thread of its own. What a page asks is checked here; what
-/// is left of it is handed on.
+/// Serves the page and its sockets on its own thread. Checks commands of pages and hands the valid
+/// ones on.
 /// @par Thread safety  Safe: all methods from any thread.
 class Server {
  public:
   /// @param assets  must outlive it
-  /// @throws std::invalid_argument where the address is not numeric, std::runtime_error where it
+  /// @throws std::invalid_argument if the address is not numeric, std::runtime_error if it
   ///   cannot listen there
   Server(const ServerOptions& options, Layout layout, std::span<const Asset> assets);
   ~Server();
@@ -42,24 +42,24 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   std::uint16_t port() const;
-  /// 32 hex digits that nobody guesses.
+  /// 32 unguessable hex digits.
   const std::string& token() const;
   std::string url() const;
 
-  /// What pages that come from now on are told first. Before it is set they wait.
+  /// The first message to each new page. Pages wait until it is set.
   void set_hello(std::string text);
   /// To all pages.
   void tell(std::string text);
-  /// To one page, where it is still there.
+  /// To one page, if it is still connected.
   void tell(PageId page, std::string text);
-  /// Shows a frame, unless a newer one is there before it could be sent. The frame is exchanged for
-  /// one that is no longer needed, whose memory serves again.
+  /// Shows a frame, unless a newer one replaces it before sending. `frame` is exchanged for an
+  /// unused one to reuse its memory.
   /// @pre as many panes and poses as the layout has
   void show(Frame& frame);
-  /// Appends what pages have asked for since the last call.
+  /// Appends the pages' commands since the last call.
   void take(std::vector<PageEvent>& events);
 
-  /// Whether any page draws overlays.
+  /// True if any page draws overlays.
   bool wants_overlays() const;
   std::size_t pages() const;
 
@@ -67,9 +67,9 @@ class Server {
     std::uint64_t frames = 0;   ///< taken by the encoder
     std::uint64_t sent = 0;     ///< to pages, summed
     std::uint64_t keys = 0;     ///< of these, key frames
-    std::uint64_t missed = 0;   ///< not sent, since a page was not done with the last one
+    std::uint64_t missed = 0;   ///< not sent, since a page was still busy
     std::uint64_t bytes = 0;    ///< of frames, without headers
-    std::uint64_t refused = 0;  ///< connections and requests that were turned away
+    std::uint64_t refused = 0;  ///< refused connections and requests
     double cpu_s = 0.0;         ///< of its thread
   };
   Counters counters() const;

@@ -21,7 +21,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The page's hands, which the peer's participant owns, as long as both are there.
+/// The page's hands, owned by the peer's participant while both exist.
 class Hands final : public User {
  public:
   explicit Hands(std::shared_ptr<Mouse> mouse) : mouse_(std::move(mouse)) {}

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A small game, without its pictures. Two players, each with a world of his own, 28.5 ms apart. The
-// first one walks through a door and into a stack of boxes; the second one drives the car. Both
-// see all of it, and nobody owns doors, boxes or cars.
+// A small game without graphics. Two players, each with their own world, 28.5 ms apart. The first
+// one walks through a door and into a stack of boxes; the second one drives the car. Both see
+// everything, and nobody owns doors, boxes or cars.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,7 +23,8 @@ using namespace tandem;
 constexpr double kStep = 1.0 / 60.0;  // s
 constexpr int kPlayers = 2;
 
-/// What a driver says, as bytes of an event: who drives is known to all, so that all cars drive.
+/// A driver's controls as the bytes of an event: all peers know the driver, so all of them drive
+/// the car.
 using Said = std::array<double, 3>;  // throttle, steer, brake
 
 std::optional<Car::Controls> controls_of(std::span<const std::byte> bytes) {
@@ -31,7 +32,7 @@ std::optional<Car::Controls> controls_of(std::span<const std::byte> bytes) {
   if (bytes.size() != sizeof said) return std::nullopt;
   std::memcpy(said.data(), bytes.data(), sizeof said);
   const auto [throttle, steer, brake] = said;
-  // Others may say anything.
+  // Input from other peers is untrusted.
   if (!(std::abs(throttle) <= 1.0 && std::abs(steer) <= 0.5 && brake >= 0.0 && brake <= 1.0)) {
     return std::nullopt;
   }
@@ -52,7 +53,7 @@ struct Player {
     share("chassis", car.chassis());
     for (int i = 0; i < 4; ++i) share("wheel " + std::to_string(i), car.wheels()[i]);
     for (PeerId i = 1; i <= kPlayers; ++i) {
-      // The own one walks; the others' are moved by what their players say of them.
+      // The player's own hero walks; the others' heroes follow their events.
       heroes[i - 1] = i == self ? hero.body()
                                 : scene.add(hero_shape(), {.type = BodyType::Kinematic,
                                                            .pose = {.position = home(i)}});
@@ -65,7 +66,7 @@ struct Player {
   static Vec3 home(PeerId player) { return {0.0, 2.0 * (static_cast<double>(player) - 1.0), 1.0}; }
   void share(const std::string& name, BodyId body) { session.share(name, body); }
 
-  /// A wall with a door that closes by itself.
+  /// A wall with a self-closing door.
   void build_house() {
     scene.add(HalfSpace{}, {.type = BodyType::Static});
     for (const double y : {-1.26, 1.26}) {
@@ -88,7 +89,6 @@ struct Player {
     car.drive(controls);
   }
 
-  /// A frame of the game's loop.
   void play(const Vec3& walk, const std::optional<Car::Controls>& wheel) {
     session.advance(session.now(), [&](SessionTime) {
       for (const consensus::Event& event : session.events().received()) {
@@ -122,7 +122,7 @@ int main() {
   for (int i = 0; i < 480; ++i) {
     const double time = i * kStep;
     network.advance_to(network.now() + 16'666'667);
-    // Straight on, whatever the door does.
+    // Keeps walking straight, whatever the door does.
     const double aside = one.position(one.heroes[0]).y();
     one.play(time > 1.0 && time < 4.5 ? Vec3(1.4, -2.0 * aside, 0.0) : Vec3::Zero(), std::nullopt);
     std::optional<Car::Controls> wheel;

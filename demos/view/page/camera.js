@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A camera that goes round a place; all panes share it, so that peers are seen from the same side.
-// World frame, z up, m and degrees.
+// A camera that orbits a target; all panes share it. World frame, z up, m and degrees.
 import * as THREE from './three.module.min.js';
 
 const VIEW = 32;  // degrees, vertical
 
 /**
  * @typedef {object} Look
- * @property {number[]} target   m, what is in the middle
- * @property {number} azimuth    degrees, where the camera stands: from +x towards +y
+ * @property {number[]} target   m, the target
+ * @property {number} azimuth    degrees, of the camera: from +x towards +y
  * @property {number} elevation  degrees above the horizon
- * @property {number} width      m, that fit into a pane at the target
- * @property {number} height     m, likewise
+ * @property {number} width      m, visible in a pane at the target
+ * @property {number} height     m, visible at the target
  */
 
-/** @type {Object<string, Look>}  by scene; others are looked at as a whole */
+/** @type {Object<string, Look>}  by scene; others are shown whole */
 const LOOKS = {
   cubes: {target: [0.3, -0.14, 0.2], azimuth: -72, elevation: 20, width: 2.75, height: 1.3},
   cliff: {target: [1, 0, 3.6], azimuth: -52, elevation: 30, width: 18, height: 14.5},
@@ -35,7 +34,7 @@ export function parseLook(text) {
   return {azimuth: n[0], elevation: n[1], width: n[2], height: n[3], target: n.slice(4)};
 }
 
-/** @param {string} scene @param {THREE.Box3} box  m, about what moves @returns {Look} */
+/** @param {string} scene @param {THREE.Box3} box  m, around moving bodies @returns {Look} */
 export function lookAt(scene, box) {
   if (LOOKS[scene]) return structuredClone(LOOKS[scene]);
   const centre = box.getCenter(new THREE.Vector3());
@@ -66,7 +65,7 @@ export class Orbit {
     const {width, height} = this.home;
     return Math.max(height / 2 / half, width / 2 / half / aspect) / this.zoom;
   }
-  /** A tall pane is filled by looking from higher up. @returns {number}  degrees */
+  /** A tall pane is filled from a higher elevation. @returns {number}  degrees */
   lift(aspect) {
     const tall = this.home.width / this.home.height / aspect;
     return tall > 1 ? Math.min(24, 24 * Math.log2(tall)) : 0;
@@ -97,8 +96,10 @@ export class Orbit {
   zoomBy(factor) {
     this.zoom = Math.min(20, Math.max(0.15, this.zoom * factor));
   }
-  /** Moves what is in the middle. @param {number} dx  CSS pixels @param {number} dy
-   *  @param {{width: number, height: number}} pane */
+  /**
+   * Moves the target. @param {number} dx  CSS pixels @param {number} dy
+   * @param {{width: number, height: number}} pane
+   */
   pan(dx, dy, pane) {
     const camera = this.at(pane.width / pane.height);
     const metres = 2 * Math.tan(radians(VIEW / 2)) * this.distance(camera.aspect) / pane.height;

@@ -14,7 +14,7 @@ export function peerColour(peer) {
   return PEERS[peer % PEERS.length];
 }
 
-/** @param {number} peer  index @returns {string}  what it is called on the page: A, B, .. */
+/** @param {number} peer  index @returns {string}  its name on the page: A, B, .. */
 export function peerName(peer) {
   return peer < 26 ? String.fromCharCode(65 + peer) : `#${peer + 1}`;
 }
@@ -22,11 +22,11 @@ export function peerName(peer) {
 /**
  * @param {object} body   of hello
  * @param {number} index  in hello
- * @returns {Color}  its colour; neighbours differ, and what a user owns has the peer's
+ * @returns {Color}  its colour; neighbours differ, and owned bodies have the peer's
  */
 export function bodyColour(body, index) {
   if (body.owner !== null && body.owner !== undefined) return new Color(peerColour(body.owner));
-  // Later rounds of the palette begin elsewhere and are a little lighter or darker.
+  // Later rounds of the palette begin elsewhere and are slightly lighter or darker.
   const round = Math.floor(index / BODIES.length);
   const colour = new Color(BODIES[(index + 3 * round) % BODIES.length]);
   return colour.offsetHSL(0, 0, [0, 0.05, -0.05, 0.09][round % 4]);

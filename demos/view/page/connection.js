@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The WebSocket to the server, which is tried again when it breaks.
+// The WebSocket to the server, with reconnection.
 import {FrameDecoder, PROTOCOL, ProtocolError} from './protocol.js';
 
-const FIRST_PAUSE = 0.5;  // s, before it is tried again
+const FIRST_PAUSE = 0.5;  // s, before the first retry
 const LONGEST_PAUSE = 8;  // s
-const TRIES = 6;          // in a row; then nobody is there any more: 0.5 + 1 + 2 + 4 + 8 + 8 s
-const GOING_AWAY = 1001;  // what a program that ends says
+const TRIES = 6;          // in a row before giving up: 0.5 + 1 + 2 + 4 + 8 + 8 s
+const GOING_AWAY = 1001;  // close code of a program that ends
 const PING = 1000;        // ms
 
 /** Calls handlers: hello(message), frame(Frame), text(message), state('open' | 'lost' |
@@ -21,7 +21,7 @@ export class Connection {
     this.url = url;
     this.handlers = handlers;
     this.pause = FIRST_PAUSE;
-    this.errors = 0;  // messages that could not be understood
+    this.errors = 0;  // invalid messages
     this.tries = 0;
     this.open();
     setInterval(() => this.send({type: 'ping', time: performance.now()}), PING);
@@ -43,7 +43,7 @@ export class Connection {
 
   receive(data) {
     try {
-      // Without a hello nobody knows how many bodies there are.
+      // Frames cannot be decoded without a hello: it has the number of bodies.
       if (typeof data === 'string') this.receiveText(JSON.parse(data));
       else if (this.decoder) this.handlers.frame(this.decoder.decode(data));
     } catch (error) {
@@ -74,14 +74,14 @@ export class Connection {
     this.handlers.state('open');
   }
 
-  /** Somebody thinks that the program is there again. */
+  /** Retries on the user's request. */
   again() {
     this.tries = 0;
     this.pause = FIRST_PAUSE;
     this.open();
   }
 
-  /** @param {object} message  as demos/view/README.md has it; lost where there is no connection */
+  /** @param {object} message  as demos/view/README.md has it; lost without a connection */
   send(message) {
     if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Buttons and fields: what may be switched while a session runs, and what is drawn. They show what
-// the server says is so; a change is asked for, and seen when it has happened.
+// Buttons and fields for a running session's settings and for drawing. They show the server's state; a change is
+// requested, and shown once it has happened.
 import {schemeName} from './words.js';
 
 /** ms, one way, by profile of the virtual link. */
@@ -10,7 +10,7 @@ export const ONE_WAY = [0, 3.5, 6, 28.5, 63.5, 123.5];
 const FIELDS = ['profile', 'predictor', 'scheme', 'beside'];
 const RANGES = ['speed', 'influence'];
 
-/** What a choice is called. */
+/** Labels of choices. */
 function optionText(name, value) {
   if (name === 'profile') return `${value} · ${ONE_WAY[value] ? `${ONE_WAY[value]} ms` : 'no delay'}`;
   if (name === 'scheme') return schemeName(value);
@@ -18,7 +18,6 @@ function optionText(name, value) {
   return String(value).replaceAll('-', ' ');
 }
 
-/** The controls of the page. */
 export class Controls {
   /**
    * @param {Document} document
@@ -52,7 +51,7 @@ export class Controls {
 
   on(id, event, handle) { this.byId(id).addEventListener(event, handle); }
   pressed(id) { return this.byId(id).getAttribute('aria-pressed') === 'true'; }
-  /** @param {string} id  of a button that stays down @param {boolean} down */
+  /** @param {string} id  of a toggle button @param {boolean} down */
   press(id, down) { this.byId(id).setAttribute('aria-pressed', String(down)); }
   set(name, value) { this.page.send({type: 'set', name, value}); }
 
@@ -62,7 +61,7 @@ export class Controls {
     return name === 'speed' ? Number((10 ** value).toFixed(3)) : value;
   }
 
-  /** Shows more controls than fit on a phone. @param {boolean} open */
+  /** Shows the controls that do not fit on a phone. @param {boolean} open */
   open(open) {
     this.byId('more').ariaExpanded = String(open);
     this.byId('panel').classList.toggle('open', open);
@@ -70,7 +69,7 @@ export class Controls {
 
   key(event) {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
-    // Fields keep their own keys, and a button under the focus its space.
+    // Fields keep their own keys, and a focused button its space.
     if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
     if (event.key === ' ' && event.target.tagName === 'BUTTON') return;
     const id = {' ': 'pause', '.': 'step', w: 'compare', o: 'overlay', c: 'marks', r: 'restart',
@@ -80,14 +79,14 @@ export class Controls {
     this.byId(id).click();
   }
 
-  /** @param {boolean} live  something can be switched @param {object} choices  of hello */
+  /** @param {boolean} live  settings can be changed @param {object} choices  of hello */
   enable(live, choices) {
     this.live = live;
     this.byId('not-live').hidden = live;
     for (const id of ['pause', 'step', 'restart', 'compare', 'score']) this.byId(id).disabled = !live;
     for (const name of FIELDS) {
       const field = this.byId(name);
-      // The run beside is told of and chosen by its scheme; '' stands for none.
+      // The second run is chosen by its scheme; '' stands for none.
       const values = name === 'beside' && choices.scheme ? ['', ...choices.scheme]
                                                          : choices[name] ?? [];
       field.disabled = !live || values.length === 0;
@@ -103,7 +102,7 @@ export class Controls {
     }
   }
 
-  /** @param {object} settings  as the server has them */
+  /** @param {object} settings  of the server */
   show(settings) {
     this.settings = settings;
     const pause = this.byId('pause');
@@ -117,7 +116,7 @@ export class Controls {
     for (const name of RANGES) {
       if (settings[name] === undefined) continue;
       const field = this.byId(name);
-      // Not while it is being drawn: an older value would jump in.
+      // Not while it is being dragged: an older value would overwrite it.
       if (!field.matches(':active')) {
         field.value = name === 'speed' ? Math.log10(settings[name]) : settings[name];
       }
@@ -134,7 +133,7 @@ export class Controls {
       field.replaceChildren(new Option(name === 'profile' ? 'a real network' : '–'));
       return;
     }
-    // What a run over a network uses is told, though it cannot be chosen.
+    // A value that cannot be chosen is still shown.
     if (![...field.options].some((option) => option.value === String(value))) {
       field.append(new Option(optionText(name, value), value));
     }

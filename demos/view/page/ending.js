@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The score, beside that of the other run where there is one: so far, or at the end.
+// The score so far or at the end, beside that of a second run.
 import {lengthText, scoreText} from './words.js';
 
-/** A row of the table. */
 function row(document, cells, tag) {
   const line = document.createElement('tr');
   cells.forEach((text, i) => {
@@ -15,14 +14,14 @@ function row(document, cells, tag) {
   return line;
 }
 
-/** What a score's peers say, once where they say the same. */
+/** The scores of a run's peers, merged if equal. */
 function said(name, outcomes) {
   const texts = outcomes.filter((outcome) => name in outcome)
     .map((outcome) => scoreText(name, outcome[name]).text);
   return [...new Set(texts)].join(' / ') || '–';
 }
 
-/** The box over the worlds that tells the score. */
+/** The box over the worlds with the score. */
 export class Ending {
   /**
    * @param {Document} document
@@ -47,7 +46,7 @@ export class Ending {
   /**
    * @param {string} title
    * @param {string} text  below it
-   * @param {string} button  what again is called; '': there is none
+   * @param {string} button  label of the restart button; '': no button
    */
   open(title, text, button) {
     this.byId('ending-title').textContent = title;

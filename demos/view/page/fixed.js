@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What does not move: solids, and half-spaces as a ground with a grid and as walls that are seen
-// from within only. World frame, z up, m.
+// Static parts: solids, and half-spaces as a ground with a grid or as walls that are visible only
+// from inside. World frame, z up, m.
 import * as THREE from './three.module.min.js';
 import {perpendicular, solidOf} from './geometry.js';
 
-const FAR = 200;  // m, how far a ground goes
+const FAR = 200;  // m, extent of a ground
 
-/** Colours of a scene's own: of the ground, and of what stands still, in order. */
+/** A scene's colours: of the ground, and of static solids, in order. */
 const PAINT = {
   tennis: {ground: '#b5654a', solids: ['#1f6fb2', '#eef3f6']},
   room: {ground: '#b08d66', solids: ['#8a5a33', '#8a5a33', '#8a5a33']},
 };
 
-/** Cuts a polygon by a half-space and keeps what is outside of it. */
+/** Cuts a polygon by a half-space and keeps the outside. */
 function cut(polygon, normal, offset) {
   const result = [];
   polygon.forEach((a, i) => {
@@ -29,7 +29,7 @@ function cut(polygon, normal, offset) {
   return result;
 }
 
-/** Polygon of a plane that is left by all other half-spaces and a ceiling. */
+/** The polygon of a plane that remains after all other half-spaces and a ceiling. */
 function planePolygon(plane, planes, height) {
   const {normal, offset} = plane;
   const side = perpendicular(normal);
@@ -53,13 +53,13 @@ function polygonGeometry(polygon, normal) {
   return geometry;
 }
 
-/** The largest of 1, 2, 5, 10, 20, .. that is not above a value. */
+/** The largest of 1, 2, 5, 10, 20, .. that does not exceed a value. */
 function niceStep(value) {
   const decade = 10 ** Math.floor(Math.log10(value));
   return decade * [5, 2, 1].find((step) => step * decade <= value * 1.0001);
 }
 
-/** Paints lines of two spacings (m) in world x and y upon a standard material. */
+/** Paints grid lines of two spacings (m) in world x and y onto a standard material. */
 function withGrid(material, uniforms) {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
@@ -86,12 +86,12 @@ function withGrid(material, uniforms) {
   return material;
 }
 
-/** Ground, walls and other things that stand still; seen in all panes. */
+/** Ground, walls and other static parts; visible in all panes. */
 export class Fixed extends THREE.Group {
   /**
    * @param {object[]} parts  of hello
-   * @param {string} scene    whose colours they have
-   * @param {number} size     m, how wide the scene is
+   * @param {string} scene    selects the colours
+   * @param {number} size     m, width of the scene
    * @param {object} theme    colours, see stage.js
    */
   constructor(parts, scene, size, theme) {
@@ -119,13 +119,13 @@ export class Fixed extends THREE.Group {
     mesh.quaternion.set(qx, qy, qz, qw);
     mesh.scale.set(...solid.scale);
     mesh.receiveShadow = true;
-    // Walls around a whole scene would leave it in the dark.
+    // Walls around a whole scene would darken it.
     mesh.castShadow = part.shape !== 'box' || solid.radius < 0.7 * size;
     if (part.shape === 'box') this.boxes.push(mesh);
     this.add(mesh);
   }
 
-  /** The material of things that stand still, or one of a colour of its own. */
+  /** The material of static solids, or one with a given colour. */
   materialOf(colour) {
     if (!colour) return this.solid;
     const material = new THREE.MeshStandardMaterial({color: colour, roughness: 0.7});
@@ -149,10 +149,10 @@ export class Fixed extends THREE.Group {
   }
 
   /**
-   * Boxes in the way are not drawn: one sees into a room whose walls are solid.
+   * Hides boxes in front of the target, for a view into rooms with solid walls.
    * @param {THREE.Camera} camera
-   * @param {THREE.Vector3} target  m, what it looks at
-   * @param {number} width          m, what fits into the picture there
+   * @param {THREE.Vector3} target  m, of the camera
+   * @param {number} width          m, visible width at the target
    */
   clearTheWay(camera, target, width) {
     const side = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
@@ -201,7 +201,7 @@ export class Fixed extends THREE.Group {
       this.ground.color.multiplyScalar(theme.dim);
       this.uniforms.uLine.value.copy(this.ground.color).lerp(new THREE.Color('#fff'), 0.1);
     }
-    // Walls turn away from the sun.
+    // Walls face away from the sun.
     this.wall.color.set(theme.wall);
     this.wall.emissive.set(theme.wall).multiplyScalar(0.3);
     this.solid.color.set(theme.fixed);

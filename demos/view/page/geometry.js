@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Shapes of hello as three.js geometry. What can be scaled is made once in unit size, so that equal
-// solids of different sizes are drawn together.
+// Shapes of hello as three.js geometry. Scalable shapes are made once in unit size, so that solids
+// of different sizes share instances.
 import * as THREE from './three.module.min.js';
 
 const MANY = 200;  // instances, from which on they have fewer triangles
 
-/** @param {THREE.Vector3} axis  unit @returns {THREE.Vector3}  unit, at a right angle to it */
+/** @param {THREE.Vector3} axis  unit @returns {THREE.Vector3}  unit, perpendicular to it */
 export function perpendicular(axis) {
   const upright = Math.abs(axis.z) >= 0.9;
   return new THREE.Vector3(upright ? 1 : 0, 0, upright ? 0 : 1).cross(axis).normalize();
 }
 
-/** Gives each triangle its own corners and a shade, so that one sees a round thing turn. */
+/** Gives each triangle its own corners and a shade, so that rotation is visible. */
 function twoTone(geometry, isDark) {
   const flat = geometry.index ? geometry.toNonIndexed() : geometry;
   const position = flat.attributes.position;
@@ -35,7 +35,7 @@ function plain(geometry) {
   return geometry;
 }
 
-/** A box with round edges, which catch the light. @param {number[]} half  m, half its edges */
+/** A box with rounded edges, which catch the light. @param {number[]} half  m, half its edges */
 function roundedBox(half) {
   const rounds = 2;
   const segments = 2 * rounds + 1;
@@ -48,7 +48,7 @@ function roundedBox(half) {
   for (let i = 0; i < position.count; ++i) {
     v.fromBufferAttribute(position, i);
     const sign = [Math.sign(v.x), Math.sign(v.y), Math.sign(v.z)];
-    // The middle strip of each side becomes flat, all others the rounding.
+    // The middle strip of each side becomes flat, the rest is the rounding.
     v.set(v.x - sign[0] * middle, v.y - sign[1] * middle, v.z - sign[2] * middle).normalize();
     position.setXYZ(i, sign[0] * inner[0] + radius * v.x, sign[1] * inner[1] + radius * v.y,
                     sign[2] * inner[2] + radius * v.z);
@@ -62,7 +62,7 @@ function triangles(part) {
   geometry.setAttribute('position',
                         new THREE.BufferAttribute(new Float32Array(part.vertices.flat()), 3));
   geometry.setIndex(part.triangles.flat());
-  // A thing of few triangles has edges, ground of many is smooth.
+  // A mesh of few triangles has sharp edges, one of many is smooth.
   const result = part.triangles.length < 200 ? geometry.toNonIndexed() : geometry;
   result.computeVertexNormals();
   return result;
@@ -72,16 +72,16 @@ function triangles(part) {
  * @typedef {object} Solid
  * @property {string} key     solids of the same key share a geometry
  * @property {function(number): THREE.BufferGeometry} make  of the number of instances; in the
- *   solid's own frame before scaling, with a colour that is multiplied with the body's
+ *   solid's own frame before scaling, with a colour to multiply with the body's
  * @property {number[]} scale  of the geometry along x, y, z
- * @property {number} radius   m, of a ball around the origin that holds it
+ * @property {number} radius   m, of its bounding sphere about the origin
  */
 
 /**
  * @param {object} part   of hello; not a half-space
- * @param {string} name   key of a shape that is like no other
+ * @param {string} name   key of a unique shape
  * @param {boolean} turns  whether its body turns
- * @returns {?Solid}  null where the shape is not known
+ * @returns {?Solid}  null for an unknown shape
  */
 export function solidOf(part, name, turns) {
   const r = part.radius;

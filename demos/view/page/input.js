@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Mouse, pen and fingers on the canvas. Who comes down on a body holds it at that point and moves
-// it in the plane that faces the camera; elsewhere one turns the view, two fingers or the wheel
+// Mouse, pen and fingers on the canvas. Pressing on a body grabs it at that point and drags it in
+// the plane that faces the camera; elsewhere dragging turns the view, two fingers or the wheel
 // zoom.
 import * as THREE from './three.module.min.js';
 import {paneAt} from './panes.js';
 
-const MOST_GRABS = 8;      // of one connection
-const MOVES = 120;         // per second, of all grabs; the server bears twice as many messages
-const FARTHEST = 99;       // m, coordinates of an anchor
+const MOST_GRABS = 8;      // per connection
+const MOVES = 120;         // per second, of all grabs; the server accepts twice as many messages
+const FARTHEST = 99;       // m, bound on an anchor's coordinates
 
 /**
  * @typedef {object} Grab
  * @property {number} id
- * @property {number} peer    whose user holds
+ * @property {number} peer    of the user who holds
  * @property {number} body    index in hello
- * @property {THREE.Vector3} local   m, frame of the body: where it is held
- * @property {THREE.Vector3} anchor  m, world: where it is pulled to
+ * @property {THREE.Vector3} local   m, frame of the body: the held point
+ * @property {THREE.Vector3} anchor  m, world: the target
  */
 
 /** Turns pointers into grabs and views. */
@@ -43,11 +43,11 @@ export class Input {
     canvas.addEventListener('dblclick', this.double.bind(this));
   }
 
-  /** @returns {Grab[]}  what is held now */
+  /** @returns {Grab[]}  present grabs */
   grabs() {
     return [...this.pointers.values()].flatMap((pointer) => pointer.grab ?? []);
   }
-  /** The connection is gone, and with it all that was held. */
+  /** The connection is gone, and all grabs with it. */
   letGo() {
     for (const pointer of this.pointers.values()) pointer.grab = null;
   }
@@ -62,7 +62,7 @@ export class Input {
     return camera;
   }
   /** @param {number} x  CSS pixels of the canvas @param {number} y
-   *  @returns {?{body: number, point: THREE.Vector3}}  what would be held there */
+   *  @returns {?{body: number, point: THREE.Vector3}}  the body and point to grab there */
   hitAt(x, y) {
     const pane = paneAt(this.page.panes(), x, y);
     if (!pane || !this.page.bodies()) return null;
@@ -111,7 +111,7 @@ export class Input {
   /**
    * Holds a body without a pointer.
    * @param {string} id  of the hand
-   * @returns {?object}  null where there are too many grabs
+   * @returns {?object}  null if there are too many grabs
    */
   hold(id, pane, body, point) {
     if (this.grabs().length >= MOST_GRABS) return null;
@@ -140,7 +140,7 @@ export class Input {
     this.page.redraw();
   }
 
-  /** The hand shows what can be held. */
+  /** Shows a hand cursor over bodies that can be held. */
   hover(event, x, y) {
     const now = performance.now();
     if (event.pointerType !== 'mouse' || now - (this.hovered ?? 0) < 80) return;
@@ -154,7 +154,7 @@ export class Input {
     if (place) this.pullTo(pointer, place);
   }
 
-  /** @param {object} pointer  that holds something @param {THREE.Vector3} place  m, world */
+  /** @param {object} pointer  with a grab @param {THREE.Vector3} place  m, world */
   pullTo(pointer, place) {
     if (place.toArray().some((v) => Math.abs(v) > FARTHEST)) return;
     pointer.grab.anchor.copy(place);
@@ -162,7 +162,7 @@ export class Input {
     this.flush();
   }
 
-  /** Tells the server where anchors are, not too often; to be called now and then. */
+  /** Sends anchors to the server at a limited rate; call it regularly. */
   flush() {
     const grabs = this.grabs();
     const now = performance.now();
@@ -212,7 +212,7 @@ export class Input {
     event.preventDefault();
     const steps = event.deltaY * (event.deltaMode === 1 ? 33 : 1) / 500;
     const holding = [...this.pointers.values()].filter((pointer) => pointer.grab && pointer.plane);
-    // While something is held, it goes away or comes nearer.
+    // With a grab, the held body moves away or nearer.
     for (const pointer of holding) {
       const {camera} = this.page.orbit;
       const reach = camera.position.distanceTo(pointer.grab.anchor);

@@ -1,24 +1,22 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The canvas by keys: arrows turn the view, with shift they move it, + and - zoom; n and b go through
-// the bodies, enter holds the chosen one or lets it go, and while it is held arrows, page up and page
-// down move the hand; 1 to 9 choose the pane.
+// Keys on the canvas: arrows turn the view, with shift they move it, + and - zoom; n and b step through the bodies,
+// enter holds the chosen one or releases it; arrows, page up and page down then move the hand; 1 to 9 choose the pane.
 import * as THREE from './three.module.min.js';
 
-const TURN = 30;     // CSS pixels of a drag, for each press
+const TURN = 30;     // CSS pixels of a drag, per press
 const ZOOM = 1.15;
-const STEP = 0.02;   // of what fits into the pane, for each press
+const STEP = 0.02;   // fraction of the visible size, per press
 
 const WAYS = {ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 1, 0],
               ArrowDown: [0, -1, 0], PageUp: [0, 0, 1], PageDown: [0, 0, -1]};
 
-/** Keys on the canvas. */
 export class Keyboard {
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {import('./input.js').Input} input
-   * @param {object} page  panes(), bodies() or null, names() of bodies that may be held, orbit,
+   * @param {object} page  panes(), bodies() or null, names() of holdable bodies, orbit,
    *   redraw(), say(text)
    */
   constructor(canvas, input, page) {
@@ -36,7 +34,7 @@ export class Keyboard {
     this.page.redraw();
   }
 
-  /** @returns {boolean}  whether the key means something */
+  /** @returns {boolean}  whether the key was handled */
   act(key, shift) {
     const pane = this.page.panes()[this.pane] ?? this.page.panes()[0];
     if (!pane || !this.page.bodies()) return false;
@@ -65,7 +63,7 @@ export class Keyboard {
     this.page.say(`Pane ${pane + 1}`);
   }
 
-  /** The next body that may be held. */
+  /** The next holdable body. */
   choose(by) {
     const free = this.page.names();
     if (!free.length || this.holds) return;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Puts the page together. ?pane=0 one peer alone, ?overlay=1 all in one pane, ?still=1 for
-// pictures, ?marks=1 contacts, springs, targets and influence, ?theme=dark, ?look= (see camera.js).
+// Assembles the page. ?pane=0 one peer alone, ?overlay=1 all in one pane, ?still=1 for pictures, ?marks=1 contacts,
+// springs, targets and influence, ?theme=dark, ?look= (see camera.js).
 import * as THREE from './three.module.min.js';
 import {lookAt, Orbit, parseLook} from './camera.js';
 import {Connection} from './connection.js';
@@ -27,7 +27,6 @@ const still = on('still');
 const darkness = matchMedia('(prefers-color-scheme: dark)');
 const byId = (id) => document.getElementById(id);
 
-/** What the page knows at this moment. */
 const page = {
   hello: null, bodies: null, fixed: null, overlays: null, panes: [], frame: null, settings: {},
   frames: 0, drawn: 0, connected: false, overlay: on('overlay'), marks: on('marks'),
@@ -68,7 +67,7 @@ function theme() {
   return colours;
 }
 
-/** Peers of the run, and of the run beside it where there is one now. */
+/** Peers of the run, and of the second run if there is one now. */
 function runsOf(peers) {
   const shown = page.frame ? page.frame.peers.length : peers.filter(({beside}) => !beside).length;
   return [false, true].map((which) => [...peers.keys()].filter(
@@ -106,7 +105,7 @@ function marks(shown) {
   send({type: 'want', overlays: shown});
 }
 
-/** The bounds of what moves, m. */
+/** The bounds of moving bodies, m. */
 function bounds() {
   const box = new THREE.Box3();
   const place = new THREE.Vector3();
@@ -121,7 +120,7 @@ function hello(message) {
     if (old) stage.scene.remove(old);
     old?.dispose();
   }
-  // Looked at anew only where it is another scene: who is back sees what he saw.
+  // The view is reset only for a new scene: a reconnection keeps it.
   page.fresh = page.hello?.scene !== message.scene;
   Object.assign(page, {hello: message, frame: null, overlays: null, fixed: null, settled: false,
                        over: false});
@@ -137,11 +136,11 @@ function hello(message) {
   plots.clear();
   arrange();
   if (page.marks) marks(true);
-  // It may be over already.
+  // The run may be over already.
   if (message.live) send({type: 'score'});
 }
 
-/** When the first frame is there, one knows how large all is. */
+/** The first frame shows the extent of the scene. */
 function setTheScene() {
   const box = bounds();
   if (page.fresh) orbit.set(parseLook(query.get('look')) ?? lookAt(page.hello.scene, box));
@@ -174,13 +173,12 @@ function frame(next) {
   redraw();
 }
 
-/** The score so far. */
 function score() {
   page.asked = true;
   send({type: 'score'});
 }
 
-/** From the beginning, or once more to a program that was not there. */
+/** Restarts, or reconnects to a program that was unreachable. */
 function again() {
   if (page.connected) send({type: 'restart'});
   else connection.again();
@@ -196,7 +194,7 @@ function tellScore(message) {
               `${message.time.toFixed(1)} s of the session.`, 'Again');
 }
 
-/** A page that is busy hears late: the shortest of late is what the way takes. */
+/** A busy page receives late: the recent minimum is the true round trip. */
 function roundTrip(ms) {
   page.roundTrips = [...page.roundTrips.slice(-9), ms];
   page.roundTrip = Math.min(...page.roundTrips);
@@ -246,7 +244,7 @@ function state(name) {
   redraw();
 }
 
-/** How far copies are apart, where they are drawn; over a network, as the program says. */
+/** Distance between copies as drawn; over a network, the program's value. */
 function tellApart() {
   page.runs.forEach((peers, run) => {
     let {distance, body} = Timeline.furthest(peers, page.bodies.shown);
@@ -264,7 +262,7 @@ function tellApart() {
 function draw(now) {
   requestAnimationFrame(draw);
   input.flush();
-  // The next picture after one is late by what that one took.
+  // A picture's cost shows in the delay of the next one.
   if (page.justDrew) page.next = now + stage.adapt(now - page.drawnAt);
   page.justDrew = false;
   if (!page.dirty || !page.bodies || !page.frame || now < page.next) return;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Sticks and dots in many instances: what overlays are drawn with.
+// Instanced sticks and dots for overlays.
 import * as THREE from './three.module.min.js';
 import {perpendicular} from './geometry.js';
 
 const UP = new THREE.Vector3(0, 0, 1);
 
-/** Instances of one geometry that are set anew for each frame; grows as needed. */
+/** Instances of one geometry that are set again for each frame; grows as needed. */
 class Marks extends THREE.Group {
   constructor(geometry, material, shadows) {
     super();
@@ -53,9 +53,9 @@ class Marks extends THREE.Group {
   }
 }
 
-/** Round sticks from one place to another. */
+/** Cylinders from one point to another. */
 export class Sticks extends Marks {
-  /** @param {THREE.Material} material @param {boolean} shadows  they cast and receive them */
+  /** @param {THREE.Material} material @param {boolean} shadows  cast and receive */
   constructor(material, shadows = false) {
     super(new THREE.CylinderGeometry(1, 1, 1, 12).rotateX(Math.PI / 2), material, shadows);
     this.middle = new THREE.Vector3();
@@ -113,10 +113,9 @@ export class Sticks extends Marks {
   }
 }
 
-/** Small solids: balls, or octahedra. */
 export class Dots extends Marks {
   /** @param {THREE.Material} material @param {THREE.BufferGeometry} geometry  of radius 1
-   *  @param {boolean} shadows  they cast and receive them */
+   *  @param {boolean} shadows  cast and receive */
   constructor(material, geometry = new THREE.SphereGeometry(1, 16, 10), shadows = false) {
     super(geometry, material, shadows);
     this.turn = new THREE.Quaternion();

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What is beside the bodies: users' hands, contacts, where others are believed to have a body. And
-// what this page's own user holds. World frame, m.
+// Overlays beside the bodies: users' hands, contacts, the positions of remote copies, and this
+// page's grabs. World frame, m.
 import * as THREE from './three.module.min.js';
 import {peerColour} from './colours.js';
 import {Dots, Sticks} from './marks.js';
 
 const CONTACT = new THREE.Color('#e5484d');
-const ELSEWHERE = new THREE.Color('#8a94a0');  // peers that have no pane here
+const ELSEWHERE = new THREE.Color('#8a94a0');  // peers without a pane here
 
-/** Marks of one peer. */
 class PeerMarks extends THREE.Group {
   constructor(materials) {
     super();
@@ -22,25 +21,24 @@ class PeerMarks extends THREE.Group {
   }
 }
 
-/** The marks of all peers. */
 export class Overlays extends THREE.Group {
-  /** @param {object[]} peers  of hello @param {number} size  m, how wide the scene is */
+  /** @param {object[]} peers  of hello @param {number} size  m, width of the scene */
   constructor(peers, size) {
     super();
     this.size = size;
     this.materials = {mark: new THREE.MeshStandardMaterial({roughness: 0.5})};
-    this.time = NaN;  // s, session time that is drawn
-    this.seen = [];   // marks of each peer, as they are drawn
+    this.time = NaN;  // s, session time as drawn
+    this.seen = [];   // marks of each peer as drawn
     this.peers = peers.map(() => new PeerMarks(this.materials));
     this.colours = peers.map(({id}) => new THREE.Color(peerColour(id - 1)));
     this.add(...this.peers);
   }
 
   /**
-   * @param {import('./timeline.js').Timeline} timeline  whose playhead is drawn
+   * @param {import('./timeline.js').Timeline} timeline  gives the playhead
    * @param {import('./scene.js').Bodies} bodies  as they are drawn
    * @param {object[]} grabs  of this page, see input.js
-   * @param {boolean} all  not the hands alone
+   * @param {boolean} all  more than the hands
    */
   update(timeline, bodies, grabs, all) {
     this.time = timeline.time;
@@ -86,7 +84,7 @@ export class Overlays extends THREE.Group {
     }
   }
 
-  /** Where the page wants its hand to be; the hand itself is among the peer's springs. */
+  /** The page's target of its hand; the hand itself is among the peer's springs. */
   drawGrab(marks, p, grab, bodies) {
     const unit = 0.01 * this.size;
     const from = grab.local.clone().applyMatrix4(bodies.bodyMatrix(p, grab.body));
@@ -94,7 +92,7 @@ export class Overlays extends THREE.Group {
     marks.dots.draw(grab.anchor, 0.8 * unit, this.colours[p]);
   }
 
-  /** @param {Set<number>} peers  who is seen */
+  /** @param {Set<number>} peers  visible peers */
   show(peers) {
     this.peers.forEach((marks, p) => { marks.visible = peers.has(p); });
   }

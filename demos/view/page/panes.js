@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Where each peer's world is drawn: side by side, one above another on a tall screen, or all in
-// one pane. Rectangles are in CSS pixels from the canvas's upper left corner.
+// Layout of the peers' worlds: side by side, one above another on a tall screen, or all in one pane. Rectangles are in
+// CSS pixels from the canvas's upper left corner.
 import {peerColour, peerName} from './colours.js';
 
 const GAP = 2;       // CSS pixels between panes
-const RUN_GAP = 6;   // likewise, between runs
+const RUN_GAP = 6;   // CSS pixels, between runs
 
 /**
  * @typedef {object} Pane
- * @property {number} peer       whose user grabs here; index in hello
- * @property {Set<number>} peers  who is seen
- * @property {number} run        0, or 1: of the run beside
+ * @property {number} peer       of the user who grabs here; index in hello
+ * @property {Set<number>} peers  visible peers
+ * @property {number} run        0, or 1: second run
  * @property {number} x
  * @property {number} y
  * @property {number} width
  * @property {number} height
  */
 
-/** So many equal rectangles, in the grid in which they are most like 4 : 3. */
+/** Equal rectangles, in the grid that brings them nearest to 4 : 3. */
 function grid(count, width, height) {
   let best = null;
   for (let columns = 1; columns <= count; ++columns) {
@@ -36,7 +36,7 @@ function grid(count, width, height) {
 
 /**
  * @param {number[][]} runs   the peers of each run; the runs are side by side
- * @param {?number} only      a peer that is seen alone
+ * @param {?number} only      the only visible peer
  * @param {boolean} overlay   all of a run in one pane
  * @param {number} width      CSS pixels
  * @param {number} height     CSS pixels
@@ -57,11 +57,11 @@ export function layOut(runs, only, overlay, width, height) {
 }
 
 /**
- * Writes who is seen into each pane.
+ * Labels each pane with its peers.
  * @param {HTMLElement} parent
  * @param {Pane[]} panes
  * @param {object[]} peers   of hello
- * @param {string[]} titles  of the runs; none where there is one only
+ * @param {string[]} titles  of the runs; empty for one run
  */
 export function label(parent, panes, peers, titles) {
   const make = (tag, name, ...children) => {

@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A figure for each user who has a head or a racket in the scene: head, body, legs and arms in the
-// user's colour. They stand on the ground z = 0 and are no part of the world. World frame, m.
+// A figure for each user with a head or a racket: head, body, legs and arms in the user's colour.
+// Figures stand on the ground z = 0 and are not part of the world. World frame, m.
 import * as THREE from './three.module.min.js';
 import {peerColour} from './colours.js';
 import {Dots, Sticks} from './marks.js';
 
 const HIP = 0.9;        // m above the ground
-const NECK = 0.22;      // m from the middle of the head down to the shoulders
+const NECK = 0.22;      // m from the centre of the head down to the shoulders
 const SHOULDER = 0.2;   // m from the spine
-const PLAYER = 1.62;    // m, the head of who has only a racket
-const BACK = 2.0;       // m from the net, where players stand
+const PLAYER = 1.62;    // m, head of a player with only a racket
+const BACK = 2.0;       // m from the net to the players
 
-/** Bodies of the scene that are of one user. */
+/** The scene's bodies of one user. */
 function partsOf(bodies, user) {
   const find = (name) => bodies.findIndex((body) => body.name === name);
   return {head: find(`head/${user}`), racket: find(`racket/${user}`),
           hands: [0, 1].map((k) => find(`hand/${user}/${k}`)).filter((b) => b >= 0)};
 }
 
-/** The figures of one peer's world. */
 export class People extends THREE.Group {
   /** @param {object[]} bodies  of hello */
   constructor(bodies) {
@@ -50,7 +49,7 @@ export class People extends THREE.Group {
 
   drawPlayer(racket, colour) {
     const side = Math.sign(racket.x) || 1;
-    // The racket is in the right hand of who looks at the net, a little before the body.
+    // The racket is in the right hand of a player who faces the net, slightly in front of the body.
     const head = new THREE.Vector3(side * Math.max(BACK, Math.abs(racket.x) + 0.25),
                                    0.85 * racket.y - 0.3 * side, PLAYER);
     this.dots.draw(head, 0.115, colour);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Lines over session time on a canvas, with what half and 95 % of all values are below. The scale is
-// that of 99 %: one spike is cut off, and the largest value is written beside it.
+// Lines over session time on a canvas, with the median and 95th percentile of all values. The scale fits 99 %: spikes
+// are cut off, and the maximum is written beside it.
 import {peerColour} from './colours.js';
 
-const SPAN = 15;     // s that are seen
+const SPAN = 15;     // s visible
 const PERIOD = 100;  // ms between drawings
-const LEFT = 34;     // CSS pixels, of the scale's numbers
-const BELOW = 14;    // CSS pixels, of the times
+const LEFT = 34;     // CSS pixels, for the scale's numbers
+const BELOW = 14;    // CSS pixels, for the times
 
 /** The least of 1, 2, 5, 10, 20, .. that is not below a value. */
 function roundUp(value) {
@@ -26,13 +26,12 @@ function text(value) {
   return value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(2);
 }
 
-/** One plot of a value of each peer. */
 class Plot {
   /**
    * @param {HTMLElement} figure  holds a figcaption with an output, a canvas and a p
    * @param {string} unit
    * @param {function(import('./protocol.js').PeerFrame): number} value
-   * @param {number} least  the top of the scale is never lower
+   * @param {number} least  lower bound of the scale's top
    */
   constructor(figure, unit, value, least) {
     this.title = figure.querySelector('figcaption b').textContent;
@@ -46,13 +45,13 @@ class Plot {
   clear() { this.samples = []; }
 
   push(frame) {
-    // A restart begins anew.
+    // Time going backwards means a restart.
     if (this.samples.length && frame.time < this.samples.at(-1).time) this.clear();
     this.samples.push({time: frame.time, values: frame.peers.map(this.value)});
     while (this.samples[0].time < frame.time - SPAN - 1) this.samples.shift();
   }
 
-  /** Percentiles of what is seen, and the top of the scale. */
+  /** Percentiles of the visible values, and the top of the scale. */
   measure() {
     const known = this.samples.flatMap((s) => s.values.filter(Number.isFinite));
     known.sort((a, b) => a - b);
@@ -135,7 +134,7 @@ class Plot {
 
 /** Divergence, latency, step time. */
 export class Plots {
-  /** @param {HTMLElement} parent  with a figure of each id */
+  /** @param {HTMLElement} parent  with a figure per id */
   constructor(parent) {
     this.parent = parent;
     const figure = (name) => parent.querySelector(`#plot-${name}`);

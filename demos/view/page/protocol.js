@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The bytes of demos/view/README.md as values. Pure: knows no page and no socket. Lengths m, times s,
-// quaternions x y z w, world frame with z up.
+// Decodes the bytes of demos/view/README.md. Independent of page and socket. Lengths m, times s, quaternions x y z w,
+// world frame with z up.
 
 export const PROTOCOL = 2;
-/** In place of a peer that has no pane here. */
+/** Stands for a peer without a pane here. */
 export const ELSEWHERE = -1;
 const FRAME = 1;
 const KEY = 1;
@@ -13,27 +13,27 @@ const OVERLAYS = 2;
 const ORIGIN = 0x100000;
 const SQRT2 = Math.SQRT2;
 
-/** What came is not what the protocol says. */
+/** Received bytes break the protocol. */
 export class ProtocolError extends Error {}
 
 /**
  * @typedef {object} Contact
- * @property {number} body      index in hello, of a body that it goes along with
+ * @property {number} body      index in hello, of the body that it follows
  * @property {number[]} point   m, world
  * @property {number[]} normal  unit, world
  * @property {number} depth     m, > 0 overlap
  *
  * @typedef {object} Spring
  * @property {number} body          index in hello
- * @property {number[]} anchor      m, world: where it is pulled to
- * @property {number[]} attachment  m, world: where it pulls
- * @property {number} user          index in hello of the peer whose user pulls, or ELSEWHERE
+ * @property {number[]} anchor      m, world: the target
+ * @property {number[]} attachment  m, world: the held point
+ * @property {number} user          index in hello of the user's peer, or ELSEWHERE
  * @property {boolean} own          of this peer's own user
  *
  * @typedef {object} Target
  * @property {number} body        index in hello
  * @property {number} peer        index in hello, or ELSEWHERE
- * @property {number[]} position  m, world: where that peer is believed to have the body
+ * @property {number[]} position  m, world: the body's estimated position at that peer
  *
  * @typedef {object} Overlays
  * @property {Contact[]} contacts
@@ -41,13 +41,13 @@ export class ProtocolError extends Error {}
  * @property {Uint8Array} influence  [bodies], this peer's share, 0..255 = 0..1
  *
  * @typedef {object} PeerFrame
- * @property {number} stepMs            ms, computing the last step
- * @property {number} latencyMs         ms, mean age of the others' news
- * @property {number} divergenceP50Mm   mm, NaN: not known
- * @property {number} divergenceMaxMm   mm, NaN: not known
+ * @property {number} stepMs            ms, duration of the last step
+ * @property {number} latencyMs         ms, mean age of the others' updates
+ * @property {number} divergenceP50Mm   mm, NaN: unknown
+ * @property {number} divergenceMaxMm   mm, NaN: unknown
  * @property {Float32Array} positions     [3 * bodies] m, world; kept from frame to frame
- * @property {Float32Array} orientations  [4 * bodies] x y z w, body to world; likewise
- * @property {number} changed             how many bodies had a record
+ * @property {Float32Array} orientations  [4 * bodies] x y z w, body to world; kept too
+ * @property {number} changed             number of bodies with a record
  * @property {Spring[]} springs
  * @property {?Overlays} overlays
  *
@@ -55,10 +55,10 @@ export class ProtocolError extends Error {}
  * @property {number} number  of the frame
  * @property {number} time    s, session time
  * @property {boolean} key    every body was in it
- * @property {PeerFrame[]} peers  as in hello; without those of the run beside where it is not there
+ * @property {PeerFrame[]} peers  as in hello; without a second run's if there is none
  */
 
-/** A reader that says where the bytes ended too early. */
+/** A reader that reports the offset of a premature end. */
 class Reader {
   constructor(buffer) {
     this.view = new DataView(buffer);
@@ -83,7 +83,7 @@ class Reader {
 /**
  * Unpacks a quaternion of 32 bits, smallest three.
  * @param {number} bits  u32
- * @param {Float32Array} out  x y z w are written to out[at..at+3], of length 1
+ * @param {Float32Array} out  x y z w are written to out[at..at+3], normalised
  * @param {number} at
  */
 export function unpackQuaternion(bits, out, at) {
@@ -98,7 +98,7 @@ export function unpackQuaternion(bits, out, at) {
     shift += 10;
   }
   out[at + left] = Math.sqrt(Math.max(0, 1 - sum));
-  // Three values that no rotation has would make it longer than 1.
+  // Invalid values would give a length above 1.
   if (sum > 1) {
     const scale = 1 / Math.sqrt(sum);
     for (let i = 0; i < 4; ++i) out[at + i] *= scale;
@@ -119,12 +119,12 @@ export function unpackPosition(lo, hi, unit, out, at) {
   out[at + 2] = (((hi >>> 10) & 0x1fffff) - ORIGIN) * unit;
 }
 
-/** As many as the next u16 says. */
+/** Reads a count (u16) and as many elements. */
 function list(reader, read) {
   return Array.from({length: reader.u16()}, read);
 }
 
-/** Reads frames of one connection; keeps the poses of bodies that a frame leaves out. */
+/** Decodes the frames of one connection; keeps the poses of bodies that a frame leaves out. */
 export class FrameDecoder {
   /** @param {object} hello  the server's first message */
   constructor(hello) {
@@ -141,7 +141,7 @@ export class FrameDecoder {
   /**
    * @param {ArrayBuffer} buffer
    * @returns {Frame}  its arrays are the decoder's own and change with the next frame
-   * @throws {ProtocolError}  where the bytes are no frame; poses may be half written then, until
+   * @throws {ProtocolError}  if the bytes are not a frame; poses may be partly overwritten, until
    *   the next key frame
    */
   decode(buffer) {

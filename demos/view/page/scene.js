@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The bodies of all peers as meshes. Equal solids of a peer are instances of one mesh; colours of
-// bodies are the same for all peers. World frame, z up, m.
+// The bodies of all peers as meshes. Equal solids of a peer are instances of one mesh; all peers
+// use the same body colours. World frame, z up, m.
 import * as THREE from './three.module.min.js';
 import {bodyColour, peerColour} from './colours.js';
 import {solidOf} from './geometry.js';
@@ -17,7 +17,7 @@ function partMatrix(part, scale) {
                                      new THREE.Vector3(...scale));
 }
 
-/** Which parts of which bodies go into which instanced mesh; the same for all peers. */
+/** Assigns parts of bodies to instanced meshes; the same for all peers. */
 function makeBatches(bodies) {
   const batches = new Map();
   bodies.forEach((body, index) => {
@@ -33,7 +33,7 @@ function makeBatches(bodies) {
   return [...batches.values()];
 }
 
-/** One peer's bodies as they are drawn. */
+/** One peer's bodies as drawn. */
 class PeerBodies {
   constructor(colour, bodies, batches, colours, materials) {
     this.own = new THREE.Color(colour);
@@ -44,7 +44,7 @@ class PeerBodies {
     this.materials = materials;
     this.ghost = new THREE.MeshStandardMaterial({
       color: colour, roughness: 0.6, transparent: true, opacity: 0.5, depthWrite: false,
-      // Where it is with the first peer, it is not seen.
+      // Hidden where it coincides with the first peer's.
       polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
     });
     const n = colours.length;
@@ -61,7 +61,7 @@ class PeerBodies {
     });
   }
 
-  /** To where `shown` has them. */
+  /** Moves the meshes to the poses of `shown`. */
   move() {
     const {positions, orientations} = this.shown;
     const place = new THREE.Vector3();
@@ -76,11 +76,11 @@ class PeerBodies {
         mesh.setMatrixAt(i, matrix.multiplyMatrices(this.matrices[entry.body], entry.local));
       });
       mesh.instanceMatrix.needsUpdate = true;
-      mesh.boundingSphere = null;  // else rays are tried against where it once was
+      mesh.boundingSphere = null;  // otherwise rays would test its old bounds
     }
   }
 
-  /** @param {?Uint8Array} influence  colours by it, null: by body */
+  /** @param {?Uint8Array} influence  colours by influence; null: by body */
   colour(influence) {
     if (!influence && !this.tinted) return;
     this.tinted = Boolean(influence);
@@ -89,7 +89,7 @@ class PeerBodies {
     for (const mesh of this.meshes) {
       mesh.userData.entries.forEach(({body}, i) => {
         mixed.copy(this.colours[body]);
-        // Pale where it follows the others, the peer's own where it leads.
+        // Pale if it follows the others, the peer's colour if it leads.
         if (influence) mixed.lerp(grey, 0.6).lerp(this.own, influence[body] / 255);
         mesh.setColorAt(i, mixed);
       });
@@ -107,7 +107,6 @@ class PeerBodies {
   }
 }
 
-/** All peers' bodies of one session. */
 export class Bodies extends THREE.Group {
   /** @param {object} hello  the server's first message */
   constructor(hello) {
@@ -123,7 +122,7 @@ export class Bodies extends THREE.Group {
     this.peers.forEach((peer) => this.add(peer.group));
   }
 
-  /** @param {import('./timeline.js').Timeline} timeline  whose playhead is drawn */
+  /** @param {import('./timeline.js').Timeline} timeline  gives the playhead */
   move(timeline) {
     timeline.after.peers.forEach(({overlays}, p) => {
       timeline.poses(p, this.peers[p].shown);
@@ -131,12 +130,12 @@ export class Bodies extends THREE.Group {
       this.peers[p].colour(overlays?.influence);
     });
   }
-  /** Poses of each peer as they are drawn. */
+  /** Poses of each peer as drawn. */
   get shown() { return this.peers.map((peer) => peer.shown); }
 
   /**
-   * @param {Set<number>} peers  who is seen
-   * @param {boolean} ghosts     all but the first are ghosts
+   * @param {Set<number>} peers  visible peers
+   * @param {boolean} ghosts     draw all but the first as ghosts
    */
   show(peers, ghosts) {
     const first = Math.min(...peers);
@@ -149,8 +148,8 @@ export class Bodies extends THREE.Group {
   /**
    * @param {THREE.Raycaster} ray
    * @param {number} peer  whose bodies
-   * @returns {?{body: number, point: THREE.Vector3}}  the nearest body that the ray meets, unless
-   *   it is a user's own
+   * @returns {?{body: number, point: THREE.Vector3}}  the nearest body on the ray, unless
+   *   a user owns it
    */
   hit(ray, peer) {
     const hits = ray.intersectObjects(this.peers[peer].meshes, false);
@@ -162,7 +161,7 @@ export class Bodies extends THREE.Group {
     return null;
   }
 
-  /** @returns {THREE.Vector3}  m, world: where a body's centre is drawn */
+  /** @returns {THREE.Vector3}  m, world: a body's centre as drawn */
   place(peer, body, out = new THREE.Vector3()) {
     return out.fromArray(this.peers[peer].shown.positions, 3 * body);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 
-/** Whether there is no graphics processor: then the processor is needed for other things than shadows. */
+/** True without a graphics processor: shadows then cost too much processor time. */
 export function drawsInSoftware() {
   const gl = document.createElement('canvas').getContext('webgl2');
   const names = gl?.getExtension('WEBGL_debug_renderer_info');

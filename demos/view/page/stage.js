@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Renderer, light, background: what is there before anything of a session is known.
+// Renderer, light, background: everything that does not depend on a session.
 import * as THREE from './three.module.min.js';
 import {drawsInSoftware} from './software.js';
 
-/** Colours of what has none of its own; the page's own colours are in style.css. */
+/** Colours of objects without their own; the page's colours are in style.css. */
 export const THEMES = {
   light: {background: '#e9eef3', ground: '#dfe6ec', line: '#8899aa', wall: '#f4f7fa',
           fixed: '#c3ccd6', sky: '#ffffff', below: '#c9d2da', ambient: 1.75, sun: 2.3, dim: 1},
@@ -13,13 +13,13 @@ export const THEMES = {
          fixed: '#6b7a8a', sky: '#dfe9f5', below: '#56636f', ambient: 1.6, sun: 2.6, dim: 0.45},
 };
 
-const SLOW = 45;  // ms a picture may take before there are fewer pixels
+const SLOW = 45;  // ms per picture, above which pixels are reduced
 
-/** One renderer for all panes, and the scene that they share. */
+/** One renderer and scene for all panes. */
 export class Stage {
   /**
    * @param {HTMLCanvasElement} canvas
-   * @param {{still: boolean}} options  still: pictures, as good as it gets however long it takes
+   * @param {{still: boolean}} options  still: best quality at any cost in time
    */
   constructor(canvas, {still}) {
     this.still = still;
@@ -40,7 +40,7 @@ export class Stage {
     this.sun.shadow.mapSize.setScalar(still ? 4096 : 2048);
     this.sun.shadow.radius = still ? 5 : 3;
     this.scene.add(this.hemisphere, this.sun, this.sun.target);
-    this.slowness = 0;  // ms, mean of what pictures take
+    this.slowness = 0;  // ms, mean time per picture
   }
 
   /** @param {object} theme  of THEMES */
@@ -53,7 +53,7 @@ export class Stage {
     this.sun.intensity = theme.sun;
   }
 
-  /** @param {THREE.Vector3} centre  m @param {number} radius  m: what casts shadows is within */
+  /** @param {THREE.Vector3} centre  m @param {number} radius  m: of all shadow casters */
   lightUp(centre, radius) {
     this.sun.target.position.copy(centre);
     this.sun.position.copy(centre).add(new THREE.Vector3(-0.45, -0.6, 1.15).multiplyScalar(
@@ -80,7 +80,7 @@ export class Stage {
    * Draws one pane.
    * @param {{x: number, y: number, width: number, height: number}} rect  CSS pixels, y down
    * @param {THREE.PerspectiveCamera} camera
-   * @param {number} distance  m, from the camera to what it looks at
+   * @param {number} distance  m, from the camera to its target
    */
   draw(rect, camera, distance) {
     this.scene.fog.near = 3 * distance;
@@ -93,9 +93,9 @@ export class Stage {
   }
 
   /**
-   * Fewer pixels, then no soft shadows, where pictures take too long.
+   * Reduces pixels, then soft shadows, if pictures take too long.
    * @param {number} took  ms since the one before
-   * @returns {number}  ms to leave to others before the next one
+   * @returns {number}  ms to wait before the next one
    */
   adapt(took) {
     if (this.still || took > 2000) return 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What tests may know of the page, as window.tandemView; nothing can be changed through it.
+// Read-only state of the page for tests, as window.tandemView.
 import * as THREE from './three.module.min.js';
 
 /**
@@ -12,7 +12,7 @@ export function publish(window, {page, connection, orbit, canvas, input}) {
   const indexOf = (body) => (typeof body === 'number'
     ? body : page.hello.bodies.findIndex((b) => b.name === body));
   const view = {
-    /** Frames received, pictures drawn, messages not understood. */
+    /** Frames received, pictures drawn, invalid messages. */
     get frames() { return page.frames; },
     get drawn() { return page.drawn; },
     get errors() { return connection.errors; },
@@ -20,12 +20,12 @@ export function publish(window, {page, connection, orbit, canvas, input}) {
     get settled() { return page.settled && !page.dirty; },
     get scene() { return page.hello?.scene ?? null; },
     get settings() { return {...page.settings}; },
-    /** What the server refused. */
+    /** Refusals by the server. */
     get messages() { return [...page.messages]; },
-    /** m: how far copies of each run were apart at most, as drawn. */
+    /** m: largest distance between copies of each run so far, as drawn. */
     get furthest() { return [...page.furthest]; },
     get roundTrip() { return page.roundTrip; },
-    /** The instant that is drawn: s, session time; and of each peer what is drawn of it, m, world. */
+    /** The drawn instant: s, session time; and each peer's drawn marks, m, world. */
     get drawnNow() {
       const {overlays, bodies} = page;
       return {time: overlays.time, peers: overlays.seen.map((marks, p) => (
@@ -40,14 +40,16 @@ export function publish(window, {page, connection, orbit, canvas, input}) {
         ...rest, contacts: overlays?.contacts.length ?? null,
         springs: springs.length, targets: overlays?.targets.length ?? null}));
     },
-    /** @returns {Object<string, number[]>}  x y z qx qy qz qw of each body of a peer, by name; as
-     *  the last frame has it, m, world */
+    /**
+     * @returns {Object<string, number[]>}  x y z qx qy qz qw of each body of a peer, by name, in the last frame, m,
+     * world
+     */
     poses(peer) {
       const {positions: p, orientations: q} = page.frame.peers[peer];
       return Object.fromEntries(page.hello.bodies.map((body, b) => (
         [body.name, [...p.subarray(3 * b, 3 * b + 3), ...q.subarray(4 * b, 4 * b + 4)]])));
     },
-    /** @returns {?string}  name of the body that a pointer there would hold */
+    /** @returns {?string}  name of the body that a pointer there would grab */
     bodyAt(clientX, clientY) {
       const box = canvas.getBoundingClientRect();
       const hit = input.hitAt(clientX - box.left, clientY - box.top);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The last two frames by session time, and what lies between them: everything that is drawn is of
-// one instant, at all peers, bodies and marks alike. Pure: knows no page. Lengths m, times s, world
-// frame with z up, quaternions x y z w.
+// The last two frames by session time, and the interpolation between them: a picture shows one instant for all peers,
+// bodies and marks. Independent of the page. Lengths m, times s, world frame with z up, quaternions x y z w.
 
-const LONGEST = 600;  // ms between two frames that are still joined: the server's when nothing moves
+const LONGEST = 600;  // ms between two frames that are still joined: the server's interval at rest
 
-/** Where a point that goes along with a body is, once the body is elsewhere. */
+/** Moves a point along with a body. */
 function carried(point, from, to, body) {
   const {positions: p0, orientations: q0} = from;
   const {positions: p1, orientations: q1} = to;
@@ -17,7 +16,7 @@ function carried(point, from, to, body) {
   return turned(local, q1.subarray(4 * body, 4 * body + 4)).map((c, k) => c + p1[3 * body + k]);
 }
 
-/** A vector, turned by a unit quaternion. */
+/** Rotates a vector by a unit quaternion. */
 function turned([vx, vy, vz], [x, y, z, w]) {
   const tx = 2 * (y * vz - z * vy);
   const ty = 2 * (z * vx - x * vz);
@@ -30,7 +29,7 @@ const same = (a, b) => a.length === b.length && a.every((value, i) => value === 
 
 const mix = (a, b, u) => a.map((v, k) => v + u * (b[k] - v));
 
-/** Marks of the earlier frame by what they are of, so that the later ones find theirs. */
+/** Indexes marks of the earlier frame, to match those of the later one. */
 function byKey(marks, key) {
   const found = new Map();
   const count = new Map();
@@ -43,7 +42,7 @@ function byKey(marks, key) {
   return found;
 }
 
-/** What one peer showed in a frame, kept. */
+/** A copy of one peer's part of a frame. */
 class Kept {
   constructor(bodies) {
     this.positions = new Float32Array(3 * bodies);
@@ -61,16 +60,16 @@ class Kept {
 
 /** Keeps two frames and a playhead between them. */
 export class Timeline {
-  /** @param {number} bodies  how many there are */
+  /** @param {number} bodies  number of bodies */
   constructor(bodies) {
     this.bodies = bodies;
     this.before = {time: NaN, peers: []};
     this.after = {time: NaN, peers: []};
-    this.time = NaN;      // s, session time that is shown
+    this.time = NaN;      // s, session time as shown
     this.arrival = 0;     // ms, of the last frame
     this.interval = 17;   // ms, mean between frames
-    this.from = NaN;      // s, where the playhead was when the last frame came
-    this.rests = false;   // nothing is elsewhere in the last frame
+    this.from = NaN;      // s, playhead at the arrival of the last frame
+    this.rests = false;   // nothing moved in the last frame
   }
 
   /**
@@ -105,7 +104,7 @@ export class Timeline {
     this.from = this.time = this.rests ? frame.time : Math.max(this.time, this.before.time);
   }
 
-  /** @param {number} now  ms @returns {boolean}  whether the last frame is reached */
+  /** @param {number} now  ms @returns {boolean}  true once the last frame is reached */
   advance(now) {
     const share = Math.min(1, Math.max(0, (now - this.arrival) / Math.max(1, this.interval)));
     this.time = this.from + share * (this.after.time - this.from);
@@ -143,8 +142,8 @@ export class Timeline {
   }
 
   /**
-   * Marks of a peer at the playhead: what is held on a body goes along with it, what is in the world
-   * is between where it was in both frames.
+   * Marks of a peer at the playhead. Points on a body move along with it; points in the world are
+   * interpolated between both frames.
    * @param {number} peer
    * @param {{positions: Float32Array, orientations: Float32Array}} shown  poses at the playhead
    * @returns {{springs: object[], contacts: object[], targets: object[]}}  as in PeerFrame
@@ -171,9 +170,9 @@ export class Timeline {
   }
 
   /**
-   * @param {number[]} peers  whose copies are compared
+   * @param {number[]} peers  to compare
    * @param {{positions: Float32Array}[]} shown  of all peers, at the playhead
-   * @returns {{distance: number, body: number}}  m: the two copies that are furthest apart
+   * @returns {{distance: number, body: number}}  m: the largest distance between two copies
    */
   static furthest(peers, shown) {
     const result = {distance: NaN, body: -1};

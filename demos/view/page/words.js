@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What the page says about scenes, couplings and scores, for people.
+// The page's texts about scenes, couplings and scores.
 
 /** What to look at, by scene. */
 const SENTENCES = {
@@ -30,7 +30,7 @@ const SCHEMES = {
   none: 'No agreement', 'single-owner': 'Single owner',
 };
 
-/** @param {?string} scheme @returns {string}  what a coupling is called */
+/** @param {?string} scheme @returns {string}  name of a coupling */
 export function schemeName(scheme) {
   return scheme === null ? 'Nothing' : SCHEMES[scheme] ?? String(scheme).replaceAll('-', ' ');
 }
@@ -43,7 +43,7 @@ export function lengthText(metres) {
   return `${(1000 * metres).toFixed(metres >= 0.001 ? 1 : 2)} mm`;
 }
 
-/** Scores whose own names say too little; '' is not told. */
+/** Readable names of scores; '' hides one. */
 const NAMES = {
   tunnelled: 'went through a racket', tunnelled_own: '', lost: 'balls lost',
   over_the_cliff: 'balls over the cliff', on_others: 'cubes on others', displaced: 'cubes moved',
@@ -53,9 +53,9 @@ const TRUTHS = new Set(['delivered', 'box_handed_over', 'hull_on_shelf']);
 const UNITS = [['_m_s', 'm/s'], ['_deg', '°'], ['_m', 'm'], ['_s', 's']];
 
 /**
- * @param {string} name  of a score, as the program has it: plate_lifted_m, a_tasks_done
+ * @param {string} name  the program's name of a score: plate_lifted_m, a_tasks_done
  * @param {number} value
- * @returns {{name: string, text: string}}  name '': nothing that people want to know
+ * @returns {{name: string, text: string}}  name '': not shown
  */
 export function scoreText(name, value) {
   const [, who, rest] = /^([a-z])_(.*)$/.exec(name) ?? [null, null, name];
