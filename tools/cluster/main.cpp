@@ -112,7 +112,7 @@ void fill(mpi::Cluster& cluster, const Scene& scene, bool with_bodies) {
 
 mpi::ClusterOptions options_for(const Options& options, const Scene& scene) {
   mpi::ClusterOptions result = options.cluster;
-  // The default is for about a thousand bodies.
+  // The default suits about a thousand bodies.
   pbd::ContactOptions& contact = result.solver.contact;
   contact.extra_rows *= static_cast<int>(std::max<std::size_t>(1, scene.bodies / 1000));
   return result;
@@ -122,7 +122,7 @@ std::uint64_t step_count(const Options& options) {
   return static_cast<std::uint64_t>(options.seconds / kStep + 0.5);
 }
 
-/// One rank of a run that was recorded without samples and checkpoints.
+/// Replays one rank of a run recorded without samples and checkpoints.
 int replay(const Options& options) {
   const Scene scene = make_scene(options.scene, options.size);
   mpi::Cluster cluster(options_for(options, scene));
@@ -189,7 +189,7 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // What cannot be understood is told by one, without MPI.
+  // Errors of the command line are printed by one process, without MPI.
   std::unique_ptr<mpi::Environment> environment;
   return demos::program_main(argc, argv, kUsage, [&](std::span<const std::string_view> words) {
     const Options options = parse(words);

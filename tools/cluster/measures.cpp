@@ -27,7 +27,7 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// m: how deep two bodies of one shape each are in each other.
+/// m: penetration depth of two bodies with one shape each.
 double overlap(const SceneBody& a, const pbd::Pose& at_a, const SceneBody& b,
                const pbd::Pose& at_b) {
   const auto* ball_a = std::get_if<collision::Sphere>(&a.colliders[0].shape);

@@ -10,14 +10,13 @@
 
 namespace tandem::cluster_tool {
 
-/// What a run is judged by, gathered on rank 0. All ranks call all of it together.
+/// Results of a run, gathered on rank 0. Each call is collective.
 class Measures {
  public:
   Measures(mpi::Cluster& cluster, const Scene& scene);
 
-  /// After each step.
   void note_step();
-  /// Where all bodies are, now and then: overlaps within and between ranks, energy, drift.
+  /// Occasional sample of all bodies: overlaps within and between ranks, energy, drift.
   void sample(double time);
   /// On rank 0.
   void write(demos::JsonWriter& json) const;
@@ -31,7 +30,7 @@ class Measures {
     double time = 0.0;  ///< s
     mpi::Totals totals;
   };
-  /// Bodies by number; empty but on rank 0.
+  /// Bodies by number; empty except on rank 0.
   std::vector<Body> gather_bodies();
   void find_overlaps(const std::vector<Body>& bodies);
 
@@ -44,7 +43,7 @@ class Measures {
   std::size_t messages_ = 0;
   std::size_t bytes_ = 0;
   std::vector<double> inside_, seam_;  ///< m, overlaps
-  double drift_ = 0.0;                 ///< m, largest way along the ground from the start
+  double drift_ = 0.0;                 ///< m, largest horizontal distance from the start
   std::vector<Sample> samples_;
 };
 

@@ -18,9 +18,9 @@ using collision::Shape;
 using pbd::Vec3;
 
 constexpr std::array<std::string_view, 5> kNames = {"cliff", "cubes", "edge", "heap", "pyramid"};
-constexpr std::size_t kTile = 1000;  ///< bodies of a tile of a scene that may have many
+constexpr std::size_t kTile = 1000;  ///< bodies per tile of a large scene
 
-/// Numbers of its own for each body, whoever makes it.
+/// A random number per body and stream, independent of the rank.
 double uniform(std::size_t body, std::uint64_t stream) {
   return pbd::SplitMix64(0x51ed270b * (body + 1) + stream).uniform(0.0, 1.0);
 }
@@ -45,7 +45,7 @@ SceneBody fixed(const Shape& shape, const Vec3& at) {
   return body;
 }
 
-/// Walls along the sides of a rectangle, inside of which nothing is.
+/// Walls along the sides of an empty rectangle.
 void add_walls(Scene& scene, const Vec3& min, const Vec3& max) {
   constexpr double kThick = 1.0;
   const Vec3 middle = 0.5 * (min + max);
@@ -83,8 +83,8 @@ Shape cliff_ground(double begin, double end) {
   return collision::TriangleMesh::make(mesh.vertices, mesh.triangles);
 }
 
-/// The demo's cliff, with as many tiles of a thousand balls along its edge as it takes.
-/// @param room  m, beyond the first tile and the last one, until walls stand there
+/// The demo's cliff, with tiles of a thousand balls along its edge.
+/// @param room  m, from the outer tiles to the walls
 Scene cliff(std::size_t balls, double room) {
   constexpr double kWidth = 4.5;  // m, of a tile
   const std::size_t tiles = (balls + kTile - 1) / kTile;
@@ -106,8 +106,7 @@ Scene cliff(std::size_t balls, double room) {
   return scene;
 }
 
-/// Stacks of five, 0.1 m cubes, 0.3 m from middle to middle, on a square; a heavy ball runs into
-/// them.
+/// Stacks of five 0.1 m cubes on a square grid of 0.3 m; a heavy ball hits them.
 Scene cubes(std::size_t stacks) {
   constexpr double kEdge = 0.1;
   constexpr double kSpacing = 0.3;

@@ -20,23 +20,22 @@ struct SceneBody {
   std::vector<collision::ColliderDef> colliders;
 };
 
-/// A scene that nobody needs to have as a whole: any rank makes any body.
+/// A scene by function: any rank makes any body.
 struct Scene {
   std::string name;
   std::size_t bodies = 0;
-  std::vector<SceneBody> fixed;                ///< what does not move, for all ranks
-  std::function<SceneBody(std::size_t)> body;  ///< below `bodies`
+  std::vector<SceneBody> fixed;                ///< static bodies, on all ranks
+  std::function<SceneBody(std::size_t)> body;  ///< argument below `bodies`
 };
 
 /// Names for make_scene().
 std::span<const std::string_view> scene_names();
 
-/// @param size  of "cliff": balls, a thousand for each 4.5 m of edge; of "edge": the same, with
-/// walls
-///   where the balls end, so that there is as much room for each whatever their number; of "cubes":
-///   stacks of five; of "heap": bodies, balls and boxes, a thousand for each 6 m^2 of a pit; of
-///   "pyramid": cubes along its lowest row; 0: 1000 balls, 100 stacks, 1000 bodies, 20 cubes
-/// @throws std::invalid_argument where there is no such scene
+/// @param size  of "cliff": balls, a thousand per 4.5 m of edge; of "edge": the same, with walls at
+///   the last balls, for equal density at any size; of "cubes": stacks of five; of "heap": bodies,
+///   balls and boxes, a thousand per 6 m^2 of a pit; of "pyramid": cubes in its lowest row; 0: 1000
+///   balls, 100 stacks, 1000 bodies, 20 cubes
+/// @throws std::invalid_argument if there is no such scene
 Scene make_scene(std::string_view name, std::size_t size);
 
 }  // namespace tandem::cluster_tool

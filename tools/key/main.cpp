@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Keys for protected sessions, and what an organiser signs, as hex digits: see kUsage.
+// Keys for protected sessions, and organisers' signatures, as hex digits: see kUsage.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -63,7 +63,7 @@ net::Role role(std::string_view text) {
   demos::refuse("ROLE", text, "watch, act or share");
 }
 
-/// The key in a file that an option names.
+/// The key in a file named by an option.
 net::Key file(demos::Argument& in) {
   const std::string name = in.text();
   try {

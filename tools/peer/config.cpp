@@ -24,7 +24,7 @@ namespace tandem::demos {
 
 namespace {
 
-/// One table of a file: hands out its values once they keep their rules, and refuses the rest.
+/// One table of a file: checks values and refuses unknown keys.
 class Section {
  public:
   /// @param prefix  of the keys' full names
@@ -58,7 +58,7 @@ class Section {
     const toml::node* const node = take(key);
     if (node == nullptr) return;
     const std::optional<double> value = node->is_number() ? node->value<double>() : std::nullopt;
-    // Written so that NaN is refused as well.
+    // Written so that NaN is refused too.
     if (!value || !(*value >= low && *value <= high)) refuse(key, rule);
     into = *value;
   }
@@ -72,7 +72,7 @@ class Section {
     if (!value || *value < low || *value > high) refuse(key, rule);
     into = static_cast<Integer>(*value);
   }
-  /// A list of texts, each of which `good` accepts.
+  /// A list of strings, each accepted by `good`.
   void read(std::string_view key, std::vector<std::string>& into, const char* rule,
             const std::function<bool(const std::string&)>& good) {
     const toml::node* const node = take(key);
@@ -86,7 +86,7 @@ class Section {
     }
   }
 
-  /// All keys of this table, whatever their names, with the texts that they have.
+  /// All keys of this table with their string values.
   void read_each(const std::function<void(const std::string&, const std::string&)>& take_one) {
     for (const auto& entry : table_) {
       const std::string key(entry.first.str());
@@ -95,7 +95,7 @@ class Section {
     }
   }
 
-  /// A table in this one, empty where it is absent.
+  /// A subtable, empty if absent.
   Section section(std::string_view key) {
     static const toml::table kEmpty;
     const toml::node* const node = take(key);
@@ -103,8 +103,8 @@ class Section {
     return {node == nullptr ? kEmpty : *node->as_table(), file_, prefix_ + std::string(key) + '.'};
   }
 
-  /// A key that is misspelt would have no effect, silently. Before any is read, since what is
-  /// misspelt is what is missing.
+  /// Refuses unknown keys, since a misspelt key would silently have no effect. Call it before
+  /// reading, to name the misspelt key rather than a missing one.
   void expect(std::initializer_list<std::string_view> known) const {
     for (const auto& entry : table_) {
       const std::string_view key = entry.first.str();
@@ -144,7 +144,7 @@ bool is_host_port(const std::string& text) {
   return true;
 }
 
-/// A file with a key: its name is made one from here, and what is in it is looked at.
+/// A key file: resolves its name and checks its content.
 void read_key_file(const Section& in, const char* key, const std::filesystem::path& folder,
                    std::string& name) {
   if (name.empty()) return;
@@ -156,7 +156,7 @@ void read_key_file(const Section& in, const char* key, const std::filesystem::pa
   }
 }
 
-/// Who lets whom in, where an organiser does.
+/// Reads the keys for a group with an organiser.
 void read_organiser(Section& in, const std::filesystem::path& folder, PeerConfig& config) {
   DemoOptions& o = config.session;
   std::string digits;
@@ -180,7 +180,7 @@ void read_organiser(Section& in, const std::filesystem::path& folder, PeerConfig
   }
 }
 
-/// How others are met behind NATs.
+/// Reads the keys for connections through NATs.
 void read_ice(Section& in, const std::filesystem::path& folder, PeerConfig& config) {
   std::string stun;
   std::string turn;
@@ -262,7 +262,7 @@ void read_network(Section in, const std::filesystem::path& file, const std::stri
   read_key_file(in, "identity", folder, o.identity);
   read_organiser(in, folder, config);
   read_ice(in, folder, config);
-  // Made at the first start where there is none.
+  // The first start creates it.
   if (!o.key.empty() && o.identity.empty()) {
     o.identity = (folder / file.stem()).string() + ".identity";
   }
@@ -353,7 +353,7 @@ void derive_id(PeerConfig& config) {
   try {
     o.peer_id = net::derived_id(net::public_key(keep_identity(o.identity, net::make_key)));
   } catch (const std::system_error& error) {
-    // A key that is not kept would be another member at each start.
+    // Without a stored key each start would be another member.
     throw ConfigError("id must be given where no identity can be kept: " +
                       std::string(error.what()));
   }

@@ -16,12 +16,12 @@
 
 namespace tandem::demos {
 
-/// What a long-running peer reads from its file; docs/tandem-peer.md lists the keys.
+/// Configuration of a long-running peer; docs/tandem-peer.md lists the keys.
 struct PeerConfig {
-  /// Its id, seed, rates and place on the network; the rest as everywhere.
+  /// Id, seed, rates and network; the rest are defaults.
   DemoOptions session;
   std::string group_file;  ///< with an organiser's GroupChange; "" = none
-  /// Files with which others are met by ICE: the one that is written, and the other's.
+  /// Files for meeting others by ICE: own (written) and the other's (read).
   std::vector<std::pair<std::string, std::string>> meetings;
   struct Turn {
     net::HostPort address;
@@ -30,27 +30,27 @@ struct PeerConfig {
   };
   std::optional<net::HostPort> stun;
   std::optional<Turn> turn;
-  bool fidget = false;                        ///< a scripted user sits here
-  std::uint64_t user_seed = 0;                ///< of that user; 0 = from seed and id
+  bool fidget = false;                        ///< adds a scripted user
+  std::uint64_t user_seed = 0;                ///< seed of that user; 0 = from seed and id
   std::string log_file;                       ///< "" = standard error
-  Level log_level = Level::Info;              ///< the least that is written
-  bool status_line = true;                    ///< where standard error is a terminal
-  std::optional<std::uint16_t> metrics_port;  ///< 0 takes a free one; none: nothing is served
+  Level log_level = Level::Info;              ///< lowest level written
+  bool status_line = true;                    ///< if standard error is a terminal
+  std::optional<std::uint16_t> metrics_port;  ///< 0 takes a free one; none: no metrics
   std::string metrics_address = "127.0.0.1";  ///< numeric
 };
 
-/// A file that cannot be used; what() names file, line, key, value and rule.
+/// An invalid file; what() names file, line, key, value and rule.
 class ConfigError : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// Where the file gives no id: the one that follows from this peer's key, which is made and kept
-/// where there is none yet. Nobody else can have it. @throws ConfigError
+/// Derives a missing id from this peer's key, which is created and stored if missing. Nobody else
+/// can have it. @throws ConfigError
 void derive_id(PeerConfig& config);
 
-/// Reads a file. Names of files in it are relative to its folder.
-/// @param transport  in place of the file's network.transport; "" = as that says  @throws
+/// Reads a file. File names in it are relative to its folder.
+/// @param transport  replaces the file's network.transport; "" = no replacement  @throws
 /// ConfigError
 PeerConfig read_config(const std::string& path, const std::string& transport = {});
 /// The same from its text. @param name  of the file, for errors and relative names

@@ -9,9 +9,9 @@
 
 namespace tandem::demos {
 
-/// How far the bodies' instances at other peers are from ours: each state that the peer uses,
-/// against where our instance was at the state's stamp. States of bodies on which our user leads
-/// are not used, so those are measured at the others alone.
+/// Distance of other peers' copies from ours: each used state is compared with our body at the
+/// state's stamp. States of bodies that our user leads are unused, so those are measured only at
+/// the others.
 /// @par Thread safety  One object: the thread of its peer.
 class DivergenceGauge final : public consensus::PeerObserver {
  public:
@@ -23,7 +23,7 @@ class DivergenceGauge final : public consensus::PeerObserver {
   void forget(consensus::PeerId peer) { of_peer_.erase(peer); }
   /// m, of all peers.
   const RecentQuantiles& all() const { return all_; }
-  /// m; null where nothing was heard.
+  /// m; null if nothing was heard.
   const RecentQuantiles* of(consensus::PeerId peer) const;
 
  private:

@@ -8,7 +8,7 @@ namespace tandem::demos {
 
 namespace {
 
-constexpr double kSlip = 0.6;     // m: what is so far from the hand is let go
+constexpr double kSlip = 0.6;     // m: a body farther from the hand is released
 constexpr double kHeaviest = 10;  // kg
 
 }  // namespace
@@ -39,7 +39,7 @@ void Fidget::update(consensus::SessionTime /*now*/) {
 
 void Fidget::grab(double time) {
   const Scene& scene = controls_.scene();
-  // The hand goes to where some body began, and takes what is nearest there.
+  // The hand goes to some body's start, and grasps the nearest body there.
   const pbd::Vec3 place = scene.bodies[bodies_[random_.below(bodies_.size())]].start;
   const std::size_t body =
       *std::min_element(bodies_.begin(), bodies_.end(), [&](std::size_t a, std::size_t b) {
@@ -52,7 +52,7 @@ void Fidget::grab(double time) {
   to.y() += random_.uniform(-kReach, kReach);
   const double height = random_.uniform(0.1, 0.3);
   const pbd::Vec3 above(0.0, 0.0, height);
-  // Slow enough for a hand: 0.6 m/s on the average.
+  // At a hand's pace: 0.6 m/s on average.
   const double travel = std::max(0.6, (to - from).norm() / 0.6);
 
   consensus::GrabDef def = single_spring(scene.mass(body));

@@ -13,19 +13,19 @@
 
 namespace tandem::demos {
 
-/// Somebody who cannot leave things alone: grabs a body near the hand, lifts and moves it, lets go,
-/// waits, and so on for ever. Bodies stay within kReach of where they began. For soaks.
+/// A restless user: grabs a body near the hand, lifts and moves it, releases it, waits, and repeats
+/// for ever. Bodies stay within kReach of their start. For soak tests.
 /// @par Thread safety  One object: the thread of its peer.
 class Fidget final : public User {
  public:
   static constexpr double kReach = 0.5;               ///< m
-  static constexpr std::uint32_t kUser = UINT32_MAX;  ///< nobody else's number
+  static constexpr std::uint32_t kUser = UINT32_MAX;  ///< used by nobody else
 
   /// Must outlive it.
   Fidget(Controls& controls, std::uint64_t seed);
 
   void update(consensus::SessionTime now) override;
-  /// Bodies that were taken and put down again.
+  /// Number of bodies moved.
   std::uint64_t done() const { return done_; }
 
  private:
@@ -34,8 +34,8 @@ class Fidget final : public User {
 
   Controls& controls_;
   Random random_;
-  std::vector<std::size_t> bodies_;  ///< that may be taken
-  double next_ = 0.0;                ///< s since the epoch, when something is taken again
+  std::vector<std::size_t> bodies_;  ///< holdable ones
+  double next_ = 0.0;                ///< s since the epoch, of the next grab
   std::optional<std::size_t> body_;
   std::uint32_t spring_ = 0;
   std::optional<HandPath> path_;

@@ -11,11 +11,10 @@ namespace tandem::demos {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x44575454;  // "TTWD" on the wire; no packet of a session
-// magic u32, number u32, own time i64, time in the newest word from there i64 (0: none), how long
-// ago that came i64.
+// magic u32, number u32, own time i64, time in the newest word received i64 (0: none), its age i64.
 constexpr std::size_t kBytes = 32;
-constexpr std::uint32_t kReordered = 64;   // words: a number further back is of a new process
-constexpr std::uint32_t kFurthest = 3000;  // and one further ahead as well
+constexpr std::uint32_t kReordered = 64;   // words: a number further back means a new process
+constexpr std::uint32_t kFurthest = 3000;  // the same for a number ahead
 constexpr std::int64_t kLongestRound = 60'000'000'000;  // ns: no round trip is longer
 
 }  // namespace
@@ -75,7 +74,7 @@ bool LinkWords::hear(const consensus::Packet& packet) {
   if (!newer) return true;
   link.their_time = theirs;
   link.heard_at = now_;
-  // Nothing of what is said is believed further than a time that may have been.
+  // Accept only a plausible echo of our own time.
   const bool answered =
       ours > now_ - kLongestRound && ours <= now_ && held >= 0 && held <= now_ - ours;
   if (!answered) return true;
@@ -86,7 +85,7 @@ bool LinkWords::hear(const consensus::Packet& packet) {
 
 void LinkWords::count(Link& link, std::uint32_t number) {
   if (link.newest && number <= *link.newest && *link.newest - number <= kReordered) {
-    // Late, or twice.
+    // Late or duplicated.
     if (number != *link.newest) ++link.now.heard;
     return;
   }

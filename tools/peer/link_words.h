@@ -11,26 +11,25 @@
 
 namespace tandem::demos {
 
-/// What is known of the way to one peer.
+/// Quality of the link from one peer.
 struct LinkFigures {
-  double loss = 0.0;         ///< share of words from there that were lost, last one to two minutes
-  double round_trip = -1.0;  ///< s, until the answer is looked at; -1 = none has come
+  double loss = 0.0;         ///< fraction of words lost over the last one to two minutes
+  double round_trip = -1.0;  ///< s, including processing; -1 = none yet
 };
 
-/// Small numbered words between peers, beside a session's packets, that show what the way does to
-/// states: how many are lost, and how long there and back takes from one program to the other, the
-/// wait for each one's next step included.
+/// Small numbered probes between peers, beside a session's packets. They measure the loss and the
+/// round trip from program to program, including the waits for each one's next step.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class LinkWords final : public SideChannel {
  public:
-  static constexpr std::int64_t kInterval = 200'000'000;   ///< ns, between two words to a peer
+  static constexpr std::int64_t kInterval = 200'000'000;   ///< ns, between probes to a peer
   static constexpr std::int64_t kPeriod = 60'000'000'000;  ///< ns
 
   /// Must outlive it.
   explicit LinkWords(consensus::Transport& inner) : SideChannel(inner) {}
 
-  /// Speak where it is time; before each drain(), which dates what has come by it.
-  /// @param now  ns, of a clock of this process that never steps
+  /// Sends due probes; call before each drain(), whose packets it dates.
+  /// @param now  ns, monotonic clock of this process
   void update(std::int64_t now);
   LinkFigures figures(consensus::PeerId peer) const;
 
@@ -40,9 +39,9 @@ class LinkWords final : public SideChannel {
     std::uint64_t heard = 0;
   };
   struct Link {
-    std::uint32_t said = 0;               ///< number of the last word to there
-    std::optional<std::uint32_t> newest;  ///< number of the newest word from there
-    std::int64_t their_time = 0;          ///< ns, of theirs: in that word
+    std::uint32_t said = 0;               ///< number of the last probe sent
+    std::optional<std::uint32_t> newest;  ///< number of the newest probe received
+    std::int64_t their_time = 0;          ///< ns, sender's time in that probe
     std::int64_t heard_at = 0;            ///< ns
     std::int64_t round_trip = -1;         ///< ns, smoothed
     Count now, before;

@@ -13,7 +13,7 @@ namespace tandem::demos {
 namespace {
 
 constexpr std::array<std::string_view, 4> kLevels = {"debug", "info", "warn", "error"};
-// Not handed on to programs that this one starts, where the system lets a file say so.
+// Not inherited by child processes, if the system supports that.
 #ifdef _WIN32
 constexpr const char* kAppend = "a";
 #else

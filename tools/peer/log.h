@@ -14,10 +14,9 @@ namespace tandem::demos {
 
 enum class Level : std::uint8_t { Debug, Info, Warn, Error };
 std::string_view to_string(Level level);
-/// Whether the text is a level's name; it is then in `level`.
+/// Parses a level's name into `level`.
 bool parse_level(std::string_view text, Level& level);
 
-/// One field of a line.
 struct Field {
   Field(std::string_view name, std::string_view text) : key(name), value(text) {}
   Field(std::string_view name, const char* text) : key(name), value(text) {}
@@ -27,26 +26,25 @@ struct Field {
   std::string value;
 };
 
-/// A line of logfmt without its end: time, level, event, then the fields. What others have said may
-/// be in a value: control characters and bytes above 126 are written as \xNN, and of more than 200
-/// bytes the rest is left out.
+/// A line of logfmt without its end: time, level, event, then the fields. Values may contain remote
+/// input: control characters and bytes above 126 are escaped as \xNN, and values are truncated to
+/// 200 bytes.
 std::string logfmt(std::chrono::system_clock::time_point time, Level level, std::string_view event,
                    std::initializer_list<Field> fields);
 
-/// Writes lines to a file or to standard error, and below them a status line where that is a
-/// terminal.
+/// Writes lines to a file or to standard error, with a status line below on a terminal.
 /// @par Thread safety  One object: one thread at a time.
 class Log {
  public:
   /// @param file  appended to; "" = standard error     @param status  allow the status line
-  /// @throws std::system_error where the file cannot be opened
+  /// @throws std::system_error if the file cannot be opened
   Log(const std::string& file, Level least, bool status);
   ~Log();
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
 
   void line(Level level, std::string_view event, std::initializer_list<Field> fields = {});
-  /// Show in place of the last one; nothing where there is no terminal.
+  /// Replaces the status line; no effect without a terminal.
   void status(const std::string& text);
   bool shows_status() const { return shows_status_; }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A peer that runs until it is told to stop:
+// A peer that runs until it is stopped:
 //
 //   tandem-peer SCENE --config peers.toml
-//   tandem-peer SCENE --config peers.toml --check    only say whether the file is good
-//   tandem-peer SCENE --config peers.toml --trace FILE   and write all that enters it
+//   tandem-peer SCENE --config peers.toml --check    only check the file
+//   tandem-peer SCENE --config peers.toml --trace FILE   record all input
 //
-// docs/tandem-peer.md has the keys of the file and what is told.
+// docs/tandem-peer.md describes the file and the output.
 #include <cstdint>
 #include <exception>
 #include <memory>

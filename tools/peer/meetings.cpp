@@ -17,7 +17,7 @@
 
 namespace tandem::demos {
 
-/// The way of now to one peer, for a transport that wants one for good.
+/// A permanent path to one peer that wraps its present connection.
 class MeetingWay final : public net::DatagramPath {
  public:
   void use(std::shared_ptr<ice::IcePath> path) {
@@ -53,7 +53,7 @@ namespace {
 
 using ice::IcePath;
 
-constexpr std::size_t kMaxDescription = 64 * 1024;  // bytes that are read
+constexpr std::size_t kMaxDescription = 64 * 1024;  // bytes, limit for reading
 
 std::string read_some(const std::string& name) {
   std::ifstream file(name, std::ios::binary);
@@ -63,7 +63,7 @@ std::string read_some(const std::string& name) {
   return out;
 }
 
-/// Whole or not at all: the one who reads it may do so at any time. For its owner alone.
+/// Written atomically, since the reader may read at any time. For its owner alone.
 void write_whole(const std::string& name, const std::string& text) {
   const std::string part = name + ".part";
   {
@@ -91,7 +91,7 @@ class Meetings::Impl {
       added.own = own;
       added.other = other;
       std::error_code ignored;
-      std::filesystem::remove(own, ignored);  // of an earlier start: it leads nowhere
+      std::filesystem::remove(own, ignored);  // of an earlier start, now invalid
       network.connect(added.way);
     }
   }
@@ -101,7 +101,7 @@ class Meetings::Impl {
       try {
         look(each);
       } catch (const std::exception& error) {
-        // Files and servers may be there later.
+        // Files and servers may appear later.
         const std::string what = error.what();
         if (what != each.trouble) log_.line(Level::Warn, "ice", {{"what", what}});
         each.trouble = what;
@@ -116,7 +116,7 @@ class Meetings::Impl {
     std::shared_ptr<MeetingWay> way = std::make_shared<MeetingWay>();
     std::shared_ptr<IcePath> path;
     IcePath::State told = IcePath::State::Gathering;
-    std::string had;  // the other's description that was used, or is of no use
+    std::string had;  // the other's last description, used or refused
     std::string trouble;
   };
 

@@ -10,18 +10,17 @@
 
 namespace tandem::demos {
 
-/// Ways to others through NATs (tandem::ice): for each of them a file that this peer writes, and
-/// one that it reads once it is there. Who brings them from one to the other is the user's
-/// business.
+/// Connections through NATs (tandem::ice): per peer a file that this one writes, and one that it
+/// reads once it exists. The user transfers the files.
 class Meetings {
  public:
-  /// @throws std::runtime_error where the configuration wants one and this build has no ICE
+  /// @throws std::runtime_error if one is configured and this build has no ICE
   Meetings(const PeerConfig& config, Network& network, Log& log);
   ~Meetings();
   Meetings(const Meetings&) = delete;
   Meetings& operator=(const Meetings&) = delete;
 
-  /// Writes and reads what is due; some times a second.
+  /// Writes and reads due files; call several times a second.
   void look();
 
  private:

@@ -27,20 +27,20 @@ namespace http = beast::http;
 using Tcp = asio::ip::tcp;
 using Error = boost::system::error_code;
 
-constexpr std::chrono::seconds kPatience{2};  // from the first byte of a request to the last answer
-constexpr std::size_t kMaxClients = 16;       // at a time; the oldest gives way to a new one
+constexpr std::chrono::seconds kPatience{2};  // for a request and its answer
+constexpr std::size_t kMaxClients = 16;       // at a time; a new one replaces the oldest
 constexpr std::uint32_t kHeaderBytes = 8192;
 
 }  // namespace
 
-/// One thread for all clients: none of them waits for another.
+/// One thread for all clients, none of which blocks another.
 class MetricsServer::Impl {
  public:
   Impl(const std::string& address, std::uint16_t port) : acceptor_(io_) {
     Error error;
     const Tcp::endpoint endpoint(asio::ip::make_address(address, error), port);
     if (!error) acceptor_.open(endpoint.protocol(), error);
-    // A server that has just ended is no hindrance; one that runs is.
+    // Reuses the port of a server that has just ended, not of a running one.
     if (!error) acceptor_.set_option(page_server::OwnPort(true), error);
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
@@ -85,7 +85,7 @@ class MetricsServer::Impl {
     acceptor_.async_accept([this](const Error& error, Tcp::socket socket) {
       if (!acceptor_.is_open()) return;
       if (!error) {
-        // Its handler takes it out of the list.
+        // Its handler removes it from the list.
         if (clients_.size() >= kMaxClients) clients_.front().stream.close();
         serve(clients_.emplace(clients_.end(), std::move(socket)));
       }

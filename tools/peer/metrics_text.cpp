@@ -162,7 +162,7 @@ std::string status_text(const PeerFigures& f, std::size_t columns) {
                 1e3 * f.divergence->quantile(0.99), 100.0 * loss,
                 round_trip < 0.0 ? "-" : digits(1e3 * round_trip).c_str());
   std::string line = text.data();
-  // One that wraps could not be taken back.
+  // A wrapped status line could not be erased.
   if (line.size() >= columns) line.resize(columns > 0 ? columns - 1 : 0);
   return line;
 }

@@ -12,17 +12,17 @@
 
 namespace tandem::demos {
 
-/// What a peer knows of itself and its session, to be told.
+/// Metrics of a peer and its session.
 struct PeerFigures {
   struct Remote {
     consensus::PeerStatus status;
-    double loss = 0.0;                            ///< share of states lost on the way from there
+    double loss = 0.0;                            ///< fraction of states lost from there
     double round_trip = -1.0;                     ///< s; < 0 = not known
-    const RecentQuantiles* divergence = nullptr;  ///< m; null = nothing was heard
-    std::uint64_t over_budget = 0;                ///< packets: it sends more than a member may
+    const RecentQuantiles* divergence = nullptr;  ///< m; null = no states heard
+    std::uint64_t over_budget = 0;                ///< packets above a member's rate
     std::uint64_t not_allowed = 0;                ///< states and springs that its role forbids
-    std::uint64_t late = 0;     ///< steps that left out what it says, much older than the others'
-    std::uint64_t without = 0;  ///< steps without a target, since what it says is so old
+    std::uint64_t late = 0;     ///< steps that ignored its states as much older than the others'
+    std::uint64_t without = 0;  ///< steps without a target, since its states are too old
   };
 
   std::string scene;
@@ -30,13 +30,13 @@ struct PeerFigures {
   const RecentQuantiles* step = nullptr;        ///< s, never null
   const RecentQuantiles* divergence = nullptr;  ///< m, of all peers; never null
   double uptime = 0.0;                          ///< s
-  double skipped = 0.0;                         ///< s of session time that were not simulated
-  double held = 0.0;                            ///< s that session time is behind, now
+  double skipped = 0.0;                         ///< s of session time not simulated
+  double held = 0.0;                            ///< s, present lag behind session time
   double clock_error = -1.0;                    ///< s, bound; < 0 = not known
   std::uint64_t faults = 0;                     ///< steps after which the world was broken
-  std::uint64_t packets_rejected = 0;           ///< that did not decode
+  std::uint64_t packets_rejected = 0;           ///< malformed
   std::uint64_t bodies_placed = 0;
-  /// What came from nobody that is known and was refused, by reason.
+  /// Refused input from unknown senders, by reason.
   std::vector<std::pair<const char*, std::uint64_t>> refused;
 
   std::size_t connected() const;

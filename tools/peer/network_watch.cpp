@@ -13,7 +13,7 @@ namespace tandem::demos {
 
 namespace {
 
-constexpr std::chrono::seconds kTroubleEvery{10};  // at most, of what strangers cause
+constexpr std::chrono::seconds kTroubleEvery{10};  // between reports caused by strangers
 constexpr std::int64_t kStepTold = 100'000'000;    // ns
 
 }  // namespace
@@ -66,7 +66,7 @@ void NetworkWatch::tell_trouble(SteadyTime now) {
   if (!trouble.empty()) log_.line(Level::Warn, "network", {{"what", trouble.substr(2)}});
 }
 
-/// What strangers were refused for since it was last said.
+/// Reports refusals of strangers since the last report.
 void NetworkWatch::tell_refused(SteadyTime now) {
   if (now < next_refused_) return;
   for (const auto& [reason, count] : network_.refused()) {
@@ -78,7 +78,7 @@ void NetworkWatch::tell_refused(SteadyTime now) {
   }
 }
 
-/// The organiser's latest word, from his file or from another member.
+/// The organiser's latest change, from its file or from another member.
 void NetworkWatch::look_at_group() {
   if (!config_.group_file.empty()) {
     std::error_code ignored;

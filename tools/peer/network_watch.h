@@ -18,8 +18,8 @@
 
 namespace tandem::demos {
 
-/// Logs what happens in the network of a peer: who comes and goes, whom it refuses, what its
-/// organiser says. Each thing is said once, and what strangers cause not often.
+/// Logs events of a peer's network: members joining and leaving, refusals, changes by the
+/// organiser. Each is logged once; those that strangers cause are rate-limited.
 class NetworkWatch {
  public:
   NetworkWatch(const PeerConfig& config, Network& network, DivergenceGauge& divergence, Log& log)
@@ -29,7 +29,7 @@ class NetworkWatch {
         log_(log),
         meetings_(config, network, log) {}
 
-  /// Some times a second.
+  /// Call several times a second.
   void look(const std::vector<consensus::PeerStatus>& peers);
 
  private:

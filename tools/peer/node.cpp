@@ -34,11 +34,11 @@ using consensus::SessionTime;
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kTellEvery{500};   // metrics and the status line
-constexpr std::chrono::seconds kTurnEvery{30};         // quantiles are of the last one to two
+constexpr std::chrono::seconds kTurnEvery{30};         // quantiles cover the last one to two
 constexpr std::int64_t kHeldTold = 100'000'000;        // ns
-constexpr std::uint64_t kWordsOfPeers = 0x7065657273;  // no demo's session and no peer's are one
+constexpr std::uint64_t kWordsOfPeers = 0x7065657273;  // separates peers' sessions from demos'
 
-/// ns, of a clock that never steps.
+/// ns, monotonic.
 std::int64_t steady_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(SteadyClock::now().time_since_epoch())
       .count();
@@ -110,7 +110,7 @@ class Node {
         tell(now);
       }
     }
-    // One state more from where we stand would be heard after the farewell.
+    // A further state from here would arrive after the farewell.
     participant_.leave(clock_.physics_time());
     if (trace_) trace_->close();
     log_.line(Level::Info, "stopped",
@@ -121,9 +121,9 @@ class Node {
   }
 
  private:
-  /// Order and noise go by peer id, as in the demos. Who has a derived one has no seat in a scene.
+  /// Order and noise depend on the peer id, as in the demos. A derived id has no seat in a scene.
   std::size_t number() const {
-    constexpr PeerId kSeats = PeerId{1} << 30;  // none is above
+    constexpr PeerId kSeats = PeerId{1} << 30;  // seats are below
     const PeerId id = config_.session.peer_id;
     return static_cast<std::size_t>(net::is_derived(id) ? kSeats | id % kSeats : id - 1);
   }
@@ -139,7 +139,7 @@ class Node {
     begin_s_ = std::chrono::duration<double>(SteadyClock::now() - before).count();
   }
 
-  /// The page on which this peer's world is seen and touched.
+  /// Serves the page that shows this peer's world and takes input.
   void serve() {
     const auto is_own = [this](std::size_t body, const pbd::Vec3& attachment_l) {
       return participant_.holds(body, attachment_l);
@@ -151,14 +151,14 @@ class Node {
                           [this](Controls& controls) { return page_->make_hands(controls); });
   }
 
-  /// All steps that are due. The first one has begun already, unless time was jumped over.
+  /// All due steps. The first one has begun already, unless time jumped.
   void advance() {
     const net::ClockTick tick = clock_.advance(network_->now());
     if (tick.skipped != 0) {
       skipped_ += std::abs(net::seconds(tick.skipped));
       log_.line(Level::Warn, "time_skipped", {{"seconds", net::seconds(tick.skipped)}});
     }
-    // Once for each, from when it is longer than anybody overlooks.
+    // Logged once per hold that is noticeable.
     if (tick.held > kHeldTold && !held_) {
       log_.line(Level::Warn, "time_held", {{"seconds", net::seconds(tick.held)}});
     }
@@ -181,14 +181,14 @@ class Node {
 
   void finish(SessionTime now) {
     participant_.finish(now);
-    // The first thing that goes wrong with the file is said, and no more.
+    // Only the first error of the file is logged.
     if (!trace_ || trace_->trouble().empty() || trace_failed_) return;
     trace_failed_ = true;
     log_.line(Level::Error, "trace", {{"what", trace_->trouble()}});
   }
 
   void look() {
-    // The first fault, and then each tenfold of them: no log fills a disk.
+    // Logs the first fault and then each power of ten, to bound the log.
     if (participant_.faults() < next_fault_) return;
     next_fault_ *= 10;
     log_.line(Level::Error, "fault",
@@ -242,10 +242,10 @@ class Node {
   DivergenceGauge divergence_;
   NetworkWatch watch_;
   LinkWords words_;
-  std::unique_ptr<PeerTrace> trace_;  ///< null where nobody asks for it
+  std::unique_ptr<PeerTrace> trace_;  ///< null if not asked for
   Participant participant_;
   net::PhysicsClock clock_;
-  const Fidget* fidget_ = nullptr;  ///< the participant's; null where nobody fidgets
+  const Fidget* fidget_ = nullptr;  ///< owned by the participant; null without user.fidget
   std::unique_ptr<MetricsServer> metrics_;
   SessionTime began_ = 0;
   std::unique_ptr<view::WorldView> page_;

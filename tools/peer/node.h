@@ -9,7 +9,7 @@
 namespace tandem::demos {
 
 /// Takes part in a session until SIGINT or SIGTERM, then leaves it in order. Nothing is recorded.
-/// @throws std::exception where it cannot begin, with the reason
+/// @throws std::exception with the reason if it cannot start
 void run_node(const Scenario& scenario, const PeerConfig& config, Log& log);
 
 }  // namespace tandem::demos

@@ -28,7 +28,7 @@ double RecentQuantiles::quantile(double q) const {
   double below = 0.0;
   for (std::size_t i = 0; i < kBins; ++i) {
     below += static_cast<double>(now_[i]) + static_cast<double>(before_[i]);
-    // The middle of the bin, as ratios go.
+    // The bin's geometric centre.
     if (below >= rank) return kMin * std::pow(kRatio, static_cast<double>(i) + 0.5);
   }
   return kMin * std::pow(kRatio, static_cast<double>(kBins));

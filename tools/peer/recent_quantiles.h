@@ -7,21 +7,21 @@
 
 namespace tandem::demos {
 
-/// Quantiles of positive numbers of late, to 4 %, in memory that does not grow. "Of late" are the
-/// last one to two periods; turn() begins a new one.
+/// Recent quantiles of positive numbers, to 4 %, in bounded memory. They cover the last one to two
+/// periods; turn() begins a new one.
 /// @par Thread safety  Distinct objects: safe.
 class RecentQuantiles {
  public:
-  static constexpr double kMin = 1e-7;    ///< what is below counts as this
+  static constexpr double kMin = 1e-7;    ///< smaller values count as this
   static constexpr double kRatio = 1.08;  ///< between bins; the last one is at 33
 
-  /// NaN is passed over.
+  /// NaN is skipped.
   void add(double value);
   void turn();
-  /// @param q  0 to 1. 0 where there was nothing
+  /// @param q  0 to 1. Returns 0 without values
   double quantile(double q) const;
 
-  // Since the beginning.
+  // Since the start.
   std::uint64_t count() const { return count_; }
   double sum() const { return sum_; }
 

@@ -37,7 +37,7 @@ void Flow::receive() {
       asio::buffer(buffer_), sender_,
       [self = shared_from_this()](const std::error_code& error, std::size_t size) {
         if (error == asio::error::operation_aborted || !self->exit_.is_open()) return;
-        // Others who find the port are nobody; a refusal by the target's host is no end either.
+        // Packets from strangers are dropped; a refusal by the target's host does not end the flow.
         if (!error && self->sender_ == self->target_) {
           self->carry(kTarget, kClient, std::span(self->buffer_).first(size));
         }
@@ -54,7 +54,7 @@ void Flow::carry(consensus::PeerId from, consensus::PeerId to,
 
 void Flow::deliver() {
   network_.advance_to(std::max(network_.now(), now()));
-  std::error_code lost;  // what the system does not take is one more loss
+  std::error_code lost;  // a failed send is one more loss
   arrived_.clear();
   target_end_.drain(arrived_);
   for (const consensus::Packet& packet : arrived_) {

@@ -16,19 +16,18 @@
 
 namespace tandem::demos {
 
-/// What one client says to the other end and hears from it, through a virtual link in real time.
+/// One client's traffic with the target, through a virtual link in real time.
 class Flow : public std::enable_shared_from_this<Flow> {
  public:
   using Clock = std::chrono::steady_clock;
   using Endpoint = asio::ip::udp::endpoint;
 
-  /// @param entrance  where the client is heard and answered; must outlive the flow
+  /// @param entrance  receives from and sends to the client; must outlive the flow
   /// @param target  the other end
   Flow(asio::io_context& io, asio::ip::udp::socket& entrance, const Endpoint& client,
        const Endpoint& target, const consensus::LinkOptions& link, std::uint64_t seed);
 
   void begin() { receive(); }
-  /// From the client.
   void forward(std::span<const std::byte> datagram);
   const Endpoint& client() const { return client_; }
   Clock::time_point last_heard() const { return last_heard_; }
@@ -44,7 +43,7 @@ class Flow : public std::enable_shared_from_this<Flow> {
 
   void receive();
   void carry(consensus::PeerId from, consensus::PeerId to, std::span<const std::byte> datagram);
-  /// Hands over what is due, and comes back when the next one is.
+  /// Sends due packets, and reschedules itself for the next one.
   void deliver();
   consensus::SessionTime now() const;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Real datagrams over a bad network: what arrives at a port goes on to another address, and back,
-// with the virtual link's seeded delay, jitter, loss, doubling, reordering and rate.
+// Real datagrams over a bad network: forwards a port to another address and back, with the virtual
+// link's seeded delay, jitter, loss, duplication, reordering and rate.
 #include <algorithm>
 #include <array>
 #include <asio/buffer.hpp>
@@ -25,8 +25,8 @@ using namespace tandem::demos;
 using asio::ip::udp;
 using tandem::consensus::LinkOptions;
 
-constexpr std::size_t kMaxFlows = 64;             // clients of one route
-constexpr std::chrono::seconds kForgetAfter{60};  // a client that is silent
+constexpr std::size_t kMaxFlows = 64;             // clients per route
+constexpr std::chrono::seconds kForgetAfter{60};  // of a client's silence
 
 constexpr std::string_view kUsage =
     "usage: proxy [options] PORT=HOST:PORT...\n"
@@ -48,7 +48,7 @@ struct Settings {
   std::string host = "127.0.0.1";  ///< address of the entrance
 };
 
-/// One port, and where what comes there goes.
+/// One port, and its target.
 class Route {
  public:
   Route(asio::io_context& io, const Settings& settings, std::uint16_t port,
@@ -106,7 +106,7 @@ class Route {
       return gone;
     });
     if (flows_.size() == kMaxFlows) return;
-    // Each flow draws numbers of its own.
+    // Each flow has its own random numbers.
     flows_.push_back(std::make_shared<Flow>(io_, entrance_, client_, target_, settings_.link,
                                             settings_.seed + 1000 * made_++));
     flows_.back()->begin();
@@ -150,7 +150,7 @@ std::unique_ptr<Route> route(asio::io_context& io, const Settings& settings,
   return std::make_unique<Route>(io, settings, port, *found.begin());
 }
 
-/// What may be said of the routes after it.
+/// Options of all routes' links.
 std::vector<Option> link_options(Settings& settings) {
   LinkOptions& link = settings.link;
   const auto chance = [](std::string_view name, double most, double& into) {

@@ -94,7 +94,7 @@ std::optional<Departure> inputs_differ(const TraceRecord& a, const TraceRecord& 
   return result;
 }
 
-/// Of two records of one kind.
+/// Compares two records of the same kind.
 std::optional<Departure> difference(const TraceRecord& a, const TraceRecord& b) {
   switch (a.kind) {
     case TraceKind::Packets:
@@ -150,7 +150,7 @@ std::optional<Departure> first_difference(TraceReader& a, TraceReader& b) {
     if (x.kind == y.kind) {
       result = difference(x, y);
     } else if (x.kind != TraceKind::End && y.kind != TraceKind::End) {
-      // Whatever comes in one of them alone is told by who has it: the phase goes on there.
+      // One trace has an additional record: it is named by the trace whose phase goes on.
       const TraceKind one = begins_phase(x.kind) ? y.kind : x.kind;
       result = differ_if(true, one, "in one of them alone");
     }

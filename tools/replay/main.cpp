@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Runs a peer again as its trace has it. docs/trace.md
+// Replays a peer from its trace. docs/trace.md
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -35,7 +35,7 @@ constexpr std::string_view kUsage =
     "                                    one session: where their copies are further apart than\n"
     "         --tolerance M              m (0.05)\n";
 
-/// A trace in memory, that was read to its end.
+/// A trace in memory, read to its end.
 struct Trace {
   std::string path;
   std::vector<char> content;
@@ -46,7 +46,7 @@ struct Trace {
   std::uint64_t inputs = 0;
   tandem::consensus::SessionTime first = 0, last = 0;  ///< ns
   bool complete = false;
-  std::size_t end = 0;  ///< bytes that were read
+  std::size_t end = 0;  ///< bytes read
 
   std::span<const std::byte> bytes() const { return std::as_bytes(std::span(content)); }
 };
@@ -232,7 +232,7 @@ int run(std::span<const std::string_view> words) {
     if (arguments.info) return info(traces[0]);
     return arguments.diff ? diff(traces[0], traces[1], arguments.tolerance) : replay(traces[0]);
   } catch (const std::exception& error) {
-    // No trace that can be run here: as for a command line that cannot be understood.
+    // A trace that cannot be run here is a usage error.
     throw UsageError(path + ": " + error.what());
   }
 }

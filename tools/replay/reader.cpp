@@ -17,8 +17,8 @@ constexpr std::size_t kHeaderBytes = kTraceMagic.size() + 1 + 4;  // before the 
 constexpr std::uint64_t kMaxRecord = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMaxText = 4096;
 constexpr std::uint64_t kMaxBodies = 1'000'000;
-constexpr std::uint64_t kMaxPackets = std::uint64_t{1} << 26;  // bytes, of one phase
-constexpr std::uint64_t kMinLimit = 128;                       // bytes, as --link max-state has it
+constexpr std::uint64_t kMaxPackets = std::uint64_t{1} << 26;  // bytes, per phase
+constexpr std::uint64_t kMinLimit = 128;  // bytes, the minimum of --link max-state
 constexpr std::uint64_t kMaxLimit = std::uint64_t{1} << 32;
 constexpr std::size_t kMaxUsers = 1024;
 constexpr SessionTime kMaxTime = SessionTime{1} << 62;
@@ -47,7 +47,7 @@ class TraceReader::In {
     require(value <= most, what, rule);
     return value;
   }
-  /// How many things follow, of which each takes `least` bytes or more.
+  /// Reads a count of elements, each at least `least` bytes long.
   std::size_t count(std::string_view what, std::size_t least) {
     return static_cast<std::size_t>(
         varint(what, remaining() / least, "no more than fit into the record"));
@@ -62,7 +62,7 @@ class TraceReader::In {
     at_ += result.size();
     return result;
   }
-  /// @param packet  in: what it is like
+  /// @param packet  in: the base
   void decode(std::span<std::byte> packet) {
     require(decode_packet(bytes_, at_, packet), "packet", "runs of its length within the record");
   }
@@ -204,7 +204,7 @@ void TraceReader::read(In& in, TraceRecord& record) {
 
 void TraceReader::read_packets(In& in, TraceRecord& record) {
   record.call = in.varint("call");
-  // What they held may have been told by few bytes: it must not add up over the records.
+  // Frees memory, since a few bytes may encode a large record: it must not accumulate.
   record.packets.clear();
   record.packets.resize(in.count("packets", 3));
   for (consensus::Packet& packet : record.packets) {

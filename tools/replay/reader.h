@@ -12,8 +12,8 @@
 
 namespace tandem::demos {
 
-/// Reads a trace of any origin: nothing of it is believed before it was looked at, and what comes
-/// out keeps the order that docs/trace.md asks for. Memory is bounded by the size of the trace.
+/// Reads a trace from any source: all input is validated, and records come in the order that
+/// docs/trace.md requires. Memory is bounded by the size of the trace.
 /// @par Thread safety  One object: one thread at a time.
 class TraceReader {
  public:
@@ -21,20 +21,20 @@ class TraceReader {
   explicit TraceReader(std::span<const std::byte> bytes);
 
   const TraceHeader& header() const { return header_; }
-  /// The next record into `record`, whose memory is used again but for packets. False at the end,
-  /// and where what is left is too short for a record: then the trace was cut off there.
+  /// Reads the next record into `record`, reusing its memory except for packets. False at the end,
+  /// and if the rest is too short for a record: the trace was cut off there.
   /// @throws TraceError
   bool next(TraceRecord& record);
-  /// Whether the End has been read.
+  /// True once the End has been read.
   bool complete() const { return state_ == State::Ended; }
-  /// Where the record that next() gave begins, or where it found none.
+  /// Offset of the last record, or of the place without one.
   std::size_t offset() const { return offset_; }
-  /// Steps that were solved so far.
+  /// Number of solved steps so far.
   std::uint64_t steps() const { return steps_; }
 
  private:
   class In;
-  /// What has happened last.
+  /// The last event.
   enum class State : std::uint8_t { Idle, Begun, Stepping, Solved, Finished, Ended };
 
   void read_header();
@@ -45,7 +45,7 @@ class TraceReader {
   void read_stage(In& in, StageHash& stage, std::vector<std::uint32_t>& before);
   void read_end(In& in, TraceRecord& record);
   consensus::SessionTime read_time(In& in);
-  /// Whether the record may come now, and what may come after it.
+  /// Checks that the record may come now, and updates the state.
   void follow(In& in, const TraceRecord& record);
 
   std::span<const std::byte> bytes_;
@@ -53,8 +53,8 @@ class TraceReader {
   std::size_t at_ = 0;
   std::size_t offset_ = 0;
   PacketHistory history_;
-  std::uint64_t phase_bytes_ = 0;  ///< of the packets of this phase so far
-  std::uint64_t checksum_;         ///< of all before at_
+  std::uint64_t phase_bytes_ = 0;  ///< bytes of this phase's packets so far
+  std::uint64_t checksum_;         ///< of all bytes before at_
   std::uint64_t steps_ = 0;
   consensus::SessionTime last_time_ = 0;
   consensus::SessionTime begun_ = 0;

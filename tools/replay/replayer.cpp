@@ -44,7 +44,7 @@ DemoOptions traced_options(std::span<const std::string> arguments) {
   return parse_options(words);
 }
 
-/// Does what is in the phase.
+/// Acts by the phase's records.
 class Replayer::TracedUser final : public User {
  public:
   TracedUser(const Replayer& replayer, std::uint32_t user, Controls& controls)
@@ -168,7 +168,7 @@ void Replayer::sent() {
 
 void Replayer::depart(Departure departure) {
   if (departure_) return;
-  // What is sent belongs to the step before it.
+  // Sent packets belong to the step before.
   const bool after = departure.stage == "sent" && steps_ > 0;
   departure.step = after ? steps_ - 1 : steps_;
   departure.time = begun_;

@@ -20,45 +20,44 @@
 
 namespace tandem::demos {
 
-/// Where a replay, or another run, does something else than a trace has.
+/// The first difference of a replay, or of another run, from a trace.
 struct Departure {
   std::uint64_t step = 0;           ///< from 0
   consensus::SessionTime time = 0;  ///< ns, of the step's beginning
-  /// What differs first: "packets", "inputs", "targets", "poses", "sent" ..
+  /// The first differing stage: "packets", "inputs", "targets", "poses", "sent" ..
   std::string stage;
-  std::optional<std::size_t> body;  ///< the first one, of the scene's bodies
-  std::size_t bodies = 0;           ///< how many differ there
-  std::string note;                 ///< what else is known; may be empty
+  std::optional<std::size_t> body;  ///< the first one, index into the scene's bodies
+  std::size_t bodies = 0;           ///< number of differing bodies
+  std::string note;                 ///< further details; may be empty
 };
 
-/// For people. @param name  of the body; "" where none is meant
+/// For people. @param name  of the body; "" = none
 std::string to_text(const Departure& departure, const std::string& name);
 
-/// The first body in which two hashes of one stage differ; nothing where they are the same.
+/// The first body with different hashes of one stage; nothing if all are equal.
 std::optional<Departure> compare(const StageHash& a, const StageHash& b, const char* stage);
 
-/// The options that a trace's header or Rules name. @throws UsageError
+/// The options in a trace's header or Rules. @throws UsageError
 DemoOptions traced_options(std::span<const std::string> arguments);
 
-/// Runs a peer again as its trace has it, and compares.
+/// Replays a peer from its trace, and compares.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class Replayer final : private StepWatch {
  public:
   /// Scenario and bytes must outlive it.
-  /// @throws TraceError, UsageError or std::invalid_argument where the trace is not of this
-  /// scenario
-  ///   or cannot be read
+  /// @throws TraceError, UsageError or std::invalid_argument if the trace is invalid or of another
+  ///   scenario
   Replayer(const Scenario& scenario, std::span<const std::byte> trace);
   ~Replayer() override;
 
-  /// To the end of the next step. False where there is none, or where the replay has departed.
+  /// Runs to the end of the next step. False if there is none, or after a departure.
   /// @throws TraceError
   bool next_step();
-  /// Steps that were computed.
+  /// Number of computed steps.
   std::uint64_t steps() const { return steps_; }
-  /// ns, where the last step ended.
+  /// ns, end of the last step.
   consensus::SessionTime time() const { return end_; }
-  /// The first thing that is not as in the trace; nothing while all is.
+  /// The first difference from the trace; nothing if there is none.
   const std::optional<Departure>& departure() const { return departure_; }
   const Scene& scene() const { return participant_->scene(); }
   const TraceReader& reader() const { return reader_; }
@@ -85,8 +84,8 @@ class Replayer final : private StepWatch {
   ReplayTransport transport_;
   StageHashes hashes_;
   TraceRecord driver_;                ///< begins the phase
-  TraceRecord next_;                  ///< begins the one after it
-  bool more_ = true;                  ///< whether next_ holds something
+  TraceRecord next_;                  ///< begins the next phase
+  bool more_ = true;                  ///< next_ is valid
   std::vector<TraceRecord> answers_;  ///< of the phase
   std::unique_ptr<Participant> participant_;
   std::optional<Departure> departure_;

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# The page of rooms as one file, with its licences:
+# Packs the page of rooms with its licences into one file:
 #   archive.sh FOLDER NAME LICENSE NOTICES ARCHIVE
 set -euo pipefail
 [[ $# -eq 5 ]] || { echo "usage: archive.sh FOLDER NAME LICENSE NOTICES ARCHIVE" >&2; exit 2; }

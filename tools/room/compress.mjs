@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// node compress.mjs FOLDER FILE..: the files there, each as NAME.gz, and nothing else.
+// node compress.mjs FOLDER FILE..: compresses the files to FOLDER/NAME.gz, and removes all else
+// there.
 import {mkdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {basename, join} from 'node:path';
 import {gzipSync} from 'node:zlib';

@@ -119,7 +119,7 @@ Cipher::Kind Cipher::open_hello(MemberId from, View sealed, Bytes& out) {
   Life life{};
   std::copy_n(plain.begin(), kLifeBytes, life.begin());
   const auto known = members_.find(from);
-  // Another life under an id that is known is no member's.
+  // A known id with another life is refused.
   if (known != members_.end() && known->second.life != life) return Kind::Refused;
   if (known == members_.end() && members_.size() >= kMaxMembers) return Kind::Refused;
   out.assign(plain.begin() + kLifeBytes, plain.end());

@@ -26,47 +26,48 @@ constexpr std::size_t kKeyBytes = 32;
 constexpr std::size_t kMaxPlainBytes = 62 * 1024;
 constexpr std::size_t kMaxProfileBytes = 512;
 
-/// What members of a room say to each other, sealed with the room's key, which servers never have.
-/// The page runs this code as well (tools/room/README.md, "What is sealed").
+/// Messages between a room's members, sealed with the room's key, which servers never have. The
+/// page runs this code too (tools/room/README.md, "What is sealed").
 ///
 ///     hello   u8 1 | 24 nonce | sealed by the room's key: 16 life, profile
 ///     packet  u8 2 | u64 counter, from 1 | sealed by the key of sender and receiver: bytes
 ///
 /// A member draws its id and its `life` at each start. The key from a to b is BLAKE2b of both ids
-/// and lives under the room's key, so that recordings of other lives open nothing. An id has one
-/// life, and nobody is forgotten, who may come back: so no counter is used twice with one key.
-/// Hellos are XChaCha20-Poly1305, packets ChaCha20-Poly1305 (IETF) with the counter as nonce, both
-/// with sender, receiver and room as authenticated data.
+/// and lives under the room's key, so that recordings of other lives open nothing. Each id has one
+/// life, and members that may come back are kept, so no counter is used twice with one key. Hellos
+/// are XChaCha20-Poly1305, packets ChaCha20-Poly1305 (IETF) with the counter as nonce, both with
+/// sender, receiver and room as authenticated data.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class Cipher {
  public:
-  /// @param room  its name: the key of one room opens nothing of another's
-  /// @throws std::invalid_argument where the key has not 32 bytes or `self` is 0
+  /// @param room  its name: keys of different rooms are independent
+  /// @throws std::invalid_argument if the key does not have 32 bytes or `self` is 0
   Cipher(View key, std::string_view room, MemberId self, Random random);
   ~Cipher();
   Cipher(const Cipher&) = delete;
   Cipher& operator=(const Cipher&) = delete;
 
-  /// What makes this member known to all others. @throws std::invalid_argument for a longer profile
+  /// The message that introduces this member. @throws std::invalid_argument if the profile is too
+  /// long
   Bytes hello(View profile) const;
 
   enum class Kind : std::uint8_t {
-    Refused,  ///< not sealed by a member, not for this one, or heard before
-    Hello,    ///< `out` is the profile; new for this member: it has to be answered with a hello
-    Known,    ///< a hello that was heard before; `out` is the profile
-    Packet,   ///< `out` are the bytes
+    Refused,  ///< not sealed by a member, not for this one, or a repetition
+    Hello,    ///< `out` is the profile; a new member: answer with a hello
+    Known,    ///< a repeated hello; `out` is the profile
+    Packet,   ///< `out` has the bytes
   };
   Kind open(MemberId from, View sealed, Bytes& out);
-  /// False where `to` has not said hello, or for more than kMaxPlainBytes.
+  /// False if `to` has not sent a hello, or above kMaxPlainBytes.
   bool seal(MemberId to, View plain, Bytes& out);
 
-  /// Whether a packet of it has been opened: a hello alone may be a recording.
+  /// True once a packet of it was opened: a hello alone may be a recording.
   bool alive(MemberId id) const;
 
  private:
   static constexpr std::size_t kLifeBytes = 16;
   static constexpr std::size_t kWindow = 4096;
-  static constexpr std::size_t kMaxMembers = 4096;  ///< ever
+  static constexpr std::size_t kMaxMembers = 4096;  ///< over the object's lifetime
   using Key = std::array<std::uint8_t, kKeyBytes>;
   using Life = std::array<std::uint8_t, kLifeBytes>;
 

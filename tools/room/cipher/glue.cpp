@@ -18,7 +18,7 @@ extern "C" {
 __attribute__((import_module("room"), import_name("random"))) void room_random(std::uint8_t* bytes,
                                                                                std::uint32_t size);
 
-/// Null where key or id are not valid.
+/// Null if key or id are invalid.
 Cipher* room_cipher_create(const std::uint8_t* key, std::uint32_t key_size, const char* room,
                            std::uint32_t room_size, std::uint64_t self) {
   try {
@@ -35,8 +35,7 @@ Cipher* room_cipher_create(const std::uint8_t* key, std::uint32_t key_size, cons
 
 void room_cipher_destroy(Cipher* cipher) { delete cipher; }
 
-/// Each writes its bytes over `bytes`, where there must be room for 64 KiB. @return how many; -1:
-/// refused
+/// Each overwrites `bytes`, which must have room for 64 KiB. @return the length; -1: refused
 std::int32_t room_cipher_hello(const Cipher* cipher, std::uint8_t* bytes, std::uint32_t size) {
   try {
     const Bytes out = cipher->hello(View(bytes, size));
@@ -55,7 +54,7 @@ std::int32_t room_cipher_seal(Cipher* cipher, std::uint64_t to, std::uint8_t* by
   return static_cast<std::int32_t>(out.size());
 }
 
-/// @return what it is (Cipher::Kind) in the upper 8 bits, how many bytes in the lower 24
+/// @return the kind (Cipher::Kind) in the upper 8 bits, the length in the lower 24
 std::uint32_t room_cipher_open(Cipher* cipher, std::uint64_t from, std::uint8_t* bytes,
                                std::uint32_t size) {
   Bytes out;

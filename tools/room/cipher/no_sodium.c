@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Copyright (c) 2026 The Tandem authors */
-/* What the parts of libsodium that the page has ask of those that it has not: none of it is reached. */
+/* Symbols that the page's parts of libsodium reference, but never reach. */
 #include <stddef.h>
 
 int sodium_runtime_has_ssse3(void) { return 0; }

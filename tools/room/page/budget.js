@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// How much of a picture a headset can have: where pictures take longer than its display's frame, or the world's steps
-// come late for them, they get simpler, for good.
+// Reduces a headset's picture quality, permanently, if pictures take longer than a frame of the display or delay the
+// world's steps.
 
 const USUAL_HZ = 72;
 const LONGER = 1.25;     // of the display's frame: every fourth picture is missed
-const SHARE = 0.05;      // of what is new in the mean
+const SHARE = 0.05;      // weight of a new value in the mean
 const SETTLING = 45;     // pictures
 const LATE_MS = 16;      // a step
 const PAUSED_MS = 500;   // longer is no picture's time
-/** From the least. scale: of the picture's width and height. */
+/** Ascending. scale: of the picture's width and height. */
 const LEVELS = [
   {shadows: false, plain: true, scale: 0.5},
   {shadows: false, plain: true, scale: 0.75},
@@ -21,21 +21,21 @@ const LEVELS = [
 const PLAIN = 2;
 
 export class Budget {
-  #mean = 1;        // time from picture to picture by that of the display
+  #mean = 1;        // time per picture over the display's
   #last = null;     // ms
   #settled = 0;     // pictures at this level
   #level;
 
-  /** @param {boolean} plain  the processor draws */
+  /** @param {boolean} plain  software rendering */
   constructor(plain = false) {
     this.#level = plain ? PLAIN : LEVELS.length - 1;
   }
   get level() { return LEVELS[this.#level]; }
 
   /**
-   * Before each picture.
+   * Call before each picture.
    * @param {number} now  ms @param {number} late  ms, of steps @param {?number} hz  of the display
-   * @returns {boolean}  whether the level is another one
+   * @returns {boolean}  whether the level changed
    */
   took(now, late, hz) {
     const interval = this.#last === null ? 0 : now - this.#last;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The cipher of the room (../cipher/cipher.h), which is WebAssembly, as native peers have it.
+// The room's cipher (../cipher/cipher.h) as WebAssembly, the same code as in native peers.
 
 const ROOM_BYTES = 64 * 1024;
 export const REFUSED = 0;
@@ -13,7 +13,7 @@ let c = null;
 
 const memory = (at, size) => new Uint8Array(c.memory.buffer, at, size);
 
-/** Loads the module; once, before anything else. @param {BufferSource} bytes */
+/** Loads the module; call once, first. @param {BufferSource} bytes */
 export async function initCipher(bytes) {
   const {instance} = await WebAssembly.instantiate(bytes, {
     room: {random: (at, size) => crypto.getRandomValues(memory(at, size))},
@@ -23,7 +23,7 @@ export async function initCipher(bytes) {
   c._initialize?.();
 }
 
-/** What members of a room say to each other. Ids are BigInt. */
+/** Seals and opens messages between members. Ids are BigInt. */
 export class Cipher {
   #at;
   #buffer;
@@ -50,7 +50,7 @@ export class Cipher {
   hello(profile) {
     return this.#taken(this.#run(profile, (at, size) => c.room_cipher_hello(this.#at, at, size)));
   }
-  /** @returns {?Uint8Array}  null where that member has not said hello */
+  /** @returns {?Uint8Array}  null if that member has not sent a hello */
   seal(to, plain) {
     const size = this.#run(plain, (at, n) => c.room_cipher_seal(this.#at, to, at, n));
     return size < 0 ? null : this.#taken(size);

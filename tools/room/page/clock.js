@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Session time: the server's, as the quickest answers have it, carried on by the page's own clock, so that it goes on
-// where the server does not.
+// Session time: the server's, from its quickest answers, continued by the page's own clock, which also bridges an
+// outage of the server.
 
-const MOST_SLEW = 1;  // ms each answer, once it is known well
-const FIRST = 3;      // answers, before which it is not known
+const MOST_SLEW = 1;  // ms per answer, once it is settled
+const FIRST = 3;      // answers before it is known
 const SETTLED = 20;   // answers, up to which a quicker one sets it
 
 export class Clock {
@@ -13,7 +13,7 @@ export class Clock {
   #best = Infinity;
   #answers = 0;
 
-  /** An answer has come. @param sent  ms, performance.now() when it was asked @param server  ms since 1970 */
+  /** Takes an answer. @param sent  ms, performance.now() of the question @param server  ms since 1970 */
   take(sent, server) {
     const roundTrip = performance.now() - sent;
     if (!(roundTrip >= 0) || !Number.isFinite(server)) return;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A way from page to page, by WebRTC. The one with the lower id offers; what they say to set it up goes sealed
-// through the room's server.
+// A WebRTC connection between two pages. The lower id offers; the signalling is sealed and goes through the room's
+// server.
 
 const PATIENCE_MS = 15000;
 
@@ -23,7 +23,7 @@ export class Direct {
   }
 
   get open() { return this.#newest?.readyState === 'open' && this.#reliable?.readyState === 'open'; }
-  /** False where it was not taken. */
+  /** False if it was not accepted. */
   send(bytes, reliable) {
     const channel = reliable ? this.#reliable : this.#newest;
     if (!this.open || (!reliable && channel.bufferedAmount > 1 << 18)) return false;
@@ -40,7 +40,7 @@ export class Direct {
     this.#connection = this.#newest = this.#reliable = null;
     this.#early = [];
   }
-  /** Words of the other end. Untrusted. */
+  /** Signalling of the other end. Untrusted. */
   async hear(words) {
     try {
       if (words.offer && !this.offers) {
@@ -57,7 +57,7 @@ export class Direct {
         else if (this.#early.length < 64) this.#early.push(words.candidate);
       }
     } catch {
-      this.close();  // by the server, then
+      this.close();  // continue through the server
     }
   }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The room as a picture, on a screen or in a headset: bodies as instances of few solids. World frame, z up, m.
+// Draws the room, on a screen or in a headset: bodies as instances of few solids. World frame, z up, m.
 import * as THREE from './three.module.min.js';
 import {STATE} from './tandem.js';
 import {Budget} from './budget.js';
@@ -9,17 +9,17 @@ import {Marks} from './marks.js';
 import {plainMaterial} from './plain.js';
 import {drawsInSoftware} from './software.js';
 
-const MOST = 1024;          // instances of one solid
+const MOST = 1024;          // instances per solid
 const SKY = 0xe9eef2;
 const SHADOWS = 1024;       // pixels
-const SLOW_MS = 30;         // from picture to picture
+const SLOW_MS = 30;         // per picture
 const SETTLING = 15;        // pictures
-// Pictures give way to steps: where these are late by more than one on average, pictures come more seldom.
+// Steps have priority: pictures become rarer if the mean delay of steps exceeds one step.
 const LATE_MS = 16;
 const SLOWEST_MS = 250;
-const SPARING_MS = 60;      // what computes the picture is the processor that steps the world
-const COARSER_MS = 120;     // from where on pictures are coarser
-// Of the picture's quality, from the least: pixels each CSS pixel at most. The best has shadows.
+const SPARING_MS = 60;      // pause if the processor that steps the world also draws
+const COARSER_MS = 120;     // above which pictures are coarser
+// Quality levels, ascending: maximum of pixels per CSS pixel. The best has shadows.
 const RATIOS = [0.5, 0.75, 2, 2];
 const BEST = 3;
 const PLAIN = 1;
@@ -32,7 +32,6 @@ const SOLIDS = {
              scale: ({radius: r, halfHeight: h}) => [r, r, h]},
 };
 
-/** One kind of solid. */
 class Solid {
   constructor(type, scene, plain) {
     this.type = SOLIDS[type];
@@ -57,7 +56,7 @@ class Solid {
 
 export class Drawing {
   #solids = new Map();
-  #simple;         // what is lit by corner now
+  #simple;         // true: lighting per corner
   #marks;
   #ground;
   #budget = null;  // of a headset's pictures
@@ -67,7 +66,7 @@ export class Drawing {
   #body = new THREE.Matrix4();
   #place = new THREE.Vector3();
   #turn = new THREE.Quaternion();
-  #interval = 16;  // ms, from picture to picture beyond the pause, smoothed
+  #interval = 16;  // ms, per picture without the pause, smoothed
   #pause = 0;      // ms
   #last = 0;
   #settled = 0;
@@ -103,7 +102,7 @@ export class Drawing {
     this.scene.add(grid);
     this.camera = new THREE.PerspectiveCamera(45, 1, 0.05, 100);
     this.camera.up.set(0, 0, 1);
-    // In a headset: where its floor is in the room, and its eyes there.
+    // For a headset: its floor's place in the room, and its eyes there.
     this.rig = new THREE.Group();
     this.eyes = new THREE.PerspectiveCamera(70, 1, 0.05, 60);
     this.rig.add(this.eyes);
@@ -128,7 +127,7 @@ export class Drawing {
     }
   }
 
-  /** On the screen. @param {Float64Array} states @param {Iterable<object>} people  as Marks has them */
+  /** Draws on the screen. @param {Float64Array} states @param {Iterable<object>} people  as Marks has them */
   draw(states, people) {
     this.#update(states, people);
     this.#aim();
@@ -143,15 +142,15 @@ export class Drawing {
         mesh.setMatrixAt(i, this.#matrix.multiplyMatrices(this.#body, parts[i].local));
       }
       mesh.instanceMatrix.needsUpdate = true;
-      mesh.boundingSphere = null;  // else rays are tried against where it once was
+      mesh.boundingSphere = null;  // otherwise rays would test its old bounds
     }
     this.#marks.draw(people);
   }
 
-  /** @param {function(number, ?XRFrame)} frame  what makes each picture, at the display's rate */
+  /** @param {function(number, ?XRFrame)} frame  draws each picture, at the display's rate */
   loop(frame) { this.renderer.setAnimationLoop(frame); }
   get referenceSpace() { return this.renderer.xr.getReferenceSpace(); }
-  /** From now on pictures go to a headset. @param {XRSession} xr */
+  /** Switches pictures to a headset. @param {XRSession} xr */
   async enter(xr) {
     const {renderer} = this;
     renderer.xr.enabled = true;
@@ -167,8 +166,8 @@ export class Drawing {
     this.#apply({shadows: this.quality === BEST, plain: this.plain});
   }
   /**
-   * In the headset.
-   * @param {XRFrame} frame @param {object} stand @param {?number[]} target  m, where its user aims to be
+   * Draws in the headset.
+   * @param {XRFrame} frame @param {object} stand @param {?number[]} target  m, aimed position of its user
    * @param {number} now  ms @param {number} late  ms, of the world's steps
    */
   drawHeadset(states, people, {frame, stand, target, now, late}) {
@@ -184,7 +183,7 @@ export class Drawing {
     this.renderer.render(this.scene, this.eyes);
     ++this.drawn;
   }
-  /** What makes a picture quicker. */
+  /** Applies a level's simplifications. */
   #apply({shadows, plain}) {
     this.#simple = plain;
     this.renderer.shadowMap.autoUpdate = shadows;
@@ -193,7 +192,7 @@ export class Drawing {
     this.#ground.material = plain ? this.#ground.plain : this.#ground.lit;
   }
 
-  /** Whether it is time for a picture. @param {number} now  ms @param {number} late  ms, of the world's steps */
+  /** True if a picture is due. @param {number} now  ms @param {number} late  ms, of the world's steps */
   due(now, late) {
     const since = now - this.#last;
     if (since < this.#pause) return false;
@@ -205,7 +204,7 @@ export class Drawing {
     if (slow && this.quality > 0 && this.drawn > this.#settled + SETTLING) this.#spare();
     return true;
   }
-  /** A picture that is quicker, for good. */
+  /** Reduces quality permanently. */
   #spare() {
     --this.quality;
     this.#settled = this.drawn;
@@ -224,7 +223,7 @@ export class Drawing {
       this.camera.updateProjectionMatrix();
     }
     const {target, distance, azimuth, elevation} = this.look;
-    // A tall picture shows as much across as a wide one.
+    // A tall picture shows the same width as a wide one.
     const away = distance * Math.max(1, 1.25 / this.camera.aspect);
     const [a, e] = [azimuth * Math.PI / 180, elevation * Math.PI / 180];
     this.camera.position.set(target[0] + away * Math.cos(e) * Math.cos(a), target[1] + away * Math.cos(e) * Math.sin(a),
@@ -233,7 +232,7 @@ export class Drawing {
     this.camera.updateMatrixWorld();
   }
 
-  /** @param {number} x  CSS pixels @returns {?{row: number, point: number[]}}  what is there, m */
+  /** @param {number} x  CSS pixels @returns {?{row: number, point: number[]}}  the body and point there, m */
   pick(x, y) {
     this.#aimRay(x, y);
     const meshes = [...this.#solids.values()].map(({mesh}) => mesh);

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A hand in a headset: it holds a pose and not only a point, by three springs around its palm (docs/hands.md).
+// A headset's hand: it holds a pose rather than a point, by three springs around its palm (docs/hands.md).
 import {distance, mixed, poseOf, toLocal, toWorld} from './poses.js';
 
 const SPRINGS = 3;
 const RADIUS = 0.04;       // m, of the springs around the hand
 const GRAVITY = 9.81;      // m/s²
-const SAG = 0.01;          // m, of what it holds alone
-const STRENGTH = 4;        // weights
+const SAG = 0.01;          // m, under the full load
+const STRENGTH = 4;        // times the load's weight
 const DAMPING = 1.4;       // twice the damping ratio
-const LOST = 0.4;          // m, from where on it lets go
+const LOST = 0.4;          // m, stretch at which it releases
 const KEPT = 16;           // tracked poses
 
 const AROUND = Array.from({length: SPRINGS}, (_, i) => {
@@ -21,7 +21,7 @@ const AROUND = Array.from({length: SPRINGS}, (_, i) => {
 export class Grip {
   #springs = [];   // ids, in the order of AROUND
   #attachments;    // m, frame of the body
-  #tracked = [];   // {time: ms of session time, pose}, the newest last
+  #tracked = [];   // {time: ms of session time, pose}, newest last
   #hands = 1;
 
   /** @param {{name: string, body: object, mass: number}} held @param {object} pose  of the hand, world */
@@ -29,26 +29,26 @@ export class Grip {
     this.held = held;
     this.pose = pose;
     const body = poseOf(held.body);
-    this.attachment = toLocal(body, pose.position);  // m, frame of the body: the middle of the palm
+    this.attachment = toLocal(body, pose.position);  // m, frame of the body: the centre of the palm
     this.#attachments = AROUND.map((p) => toLocal(body, toWorld(pose, p)));
   }
-  /** m, world: where it pulls to. */
+  /** m, world: the target. */
   get anchor() { return this.pose.position; }
-  /** The body stays behind, at a wall or at others' hands. */
+  /** True if the body stays too far behind, at a wall or in others' hands. */
   get lost() { return distance(this.anchor, toWorld(poseOf(this.held.body), this.attachment)) > LOST; }
 
-  /** Where the hand is. @param {number} time  ms of session time */
+  /** Tracks the hand. @param {number} time  ms of session time */
   track(time, pose) {
     this.#tracked.push({time, pose});
     if (this.#tracked.length > KEPT) this.#tracked.shift();
   }
-  /** Of how many hands of this user on the body it is one: each takes its share of the load. */
+  /** Sets the number of this user's hands on the body: each takes its share of the load. */
   share(hands, peer) {
     if (hands === this.#hands) return;
     this.#hands = hands;
-    this.release(peer);  // with other springs anew before the next step
+    this.release(peer);  // reattached with new springs before the next step
   }
-  /** Before each step. @param {object} peer @param {bigint} now  ns, session time */
+  /** Call before each step. @param {object} peer @param {bigint} now  ns, session time */
   update(peer, now) {
     this.pose = this.#at(Number(now) / 1e6) ?? this.pose;
     const anchors = AROUND.map((p) => toWorld(this.pose, p));
@@ -66,7 +66,7 @@ export class Grip {
     this.#springs = [];
   }
 
-  /** Between what was tracked: with the newest alone an even motion would be uneven at another rate than the steps'. */
+  /** Interpolates tracked poses: the newest alone would turn uniform motion uneven, as steps have another rate. */
   #at(time) {
     const after = this.#tracked.findIndex((one) => one.time >= time);
     if (after < 0) return this.#tracked.at(-1)?.pose;

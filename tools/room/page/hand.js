@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The user's hand, which holds a body by a spring: as strong as four times its weight, at most 2 m/s fast and never
-// farther than 10 cm from the point that it holds, so that a long pull tows and does not throw. A pointer moves in steps,
-// one for each picture: others would carry each on as if it lasted. It is followed as by a critically damped spring.
+// A hand that holds a body by a spring: at most four times its weight, 2 m/s fast and 10 cm from the held point, so
+// that a long pull tows instead of throwing. A pointer moves in steps, one per picture, which other peers would
+// extrapolate: the hand follows it as by a critically damped spring.
 import {minus, plus, poseOf, shortened, toWorld} from './poses.js';
 
 const SMOOTH = 0.03;      // s
 const FASTEST = 2;        // m/s
 const REACH = 0.1;        // m
 const FORCE = 40;         // N/kg
-const FULL_AT = 0.04;     // m, from where on it pulls with all its force
+const FULL_AT = 0.04;     // m, stretch at maximum force
 const DAMPING_RATIO = 0.7;
 const DT = 1 / 60;        // s
 const LEFT = Math.exp(-DT / SMOOTH);
@@ -23,12 +23,12 @@ export class Hand {
     Object.assign(this, {held, attachment});
     this.anchor = this.point;
     this.wanted = this.anchor;
-    this.smooth = this.anchor;             // m, world: `wanted` without its steps
-    this.velocity = [0, 0, 0];             // m/s, of that
+    this.smooth = this.anchor;             // m, world: `wanted`, smoothed
+    this.velocity = [0, 0, 0];             // m/s, of `smooth`
   }
-  /** m, world: what it holds. */
+  /** m, world: the held point. */
   get point() { return toWorld(poseOf(this.held.body), this.attachment); }
-  /** Before each step. @param {object} peer @param {bigint} now */
+  /** Call before each step. @param {object} peer @param {bigint} now */
   update(peer, now) {
     this.#follow();
     this.anchor = plus(this.anchor, shortened(minus(this.smooth, this.anchor), FASTEST * DT));

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The room in a headset, by WebXR: where its user is, what both hands do, and how he gets about. Hands let go where
-// anything is unclear: a controller that is lost, a session that ends or is not in front.
+// The room in a headset, by WebXR: the user's position, both hands, and locomotion. Hands release in any doubt: a lost
+// controller, a session that ends or is in the background.
 import {nearest} from './nearest.js';
 import {Stand, landing} from './stand.js';
 
 const REACH = 0.1;        // m, from the palm
-const PATIENCE_MS = 200;  // a hand that is not seen for so long is lost
+const PATIENCE_MS = 200;  // a hand unseen for longer is lost
 const DELIBERATE_MS = 300;
-const PUSHED = 0.7;       // of a thumbstick's way
+const PUSHED = 0.7;       // fraction of a thumbstick's range
 const BACK = 0.4;
 const SNAP = Math.PI / 6;
-const WALK = 0.7;         // m/s, of who holds something
-const SWING = Math.PI / 4;  // rad/s, the same
+const WALK = 0.7;         // m/s, while holding something
+const SWING = Math.PI / 4;  // rad/s, while holding something
 const MOST_PAUSE = 0.1;   // s
-const DISPLAY_HZ = 72;    // asked for: the least that is comfortable
-const AWAY = 1.6;         // m, from what the room's camera looks at
-const APART = 0.6;        // rad, between those who come
+const DISPLAY_HZ = 72;    // requested: the least comfortable rate
+const AWAY = 1.6;         // m, from the target of the room's camera
+const APART = 0.6;        // rad, between users
 const PLACES = 5;
 const PRESSES = {selectstart: true, squeezestart: true, selectend: false, squeezeend: false};
 
-/** What one hand does. */
+/** State of one hand. */
 class Side {
   constructor(side) {
     Object.assign(this, {side, source: null, pressed: new Set(), aims: false, since: 0, turned: false,
@@ -39,15 +39,15 @@ export class Headset {
   constructor(drawing, session) {
     Object.assign(this, {drawing, session});
     this.stand = new Stand();
-    this.onChange = () => {};  // its user sees the room, or no longer
+    this.onChange = () => {};  // the user starts or stops seeing the room
     this.seen = null;    // poses of head, left, right, world
-    this.target = null;  // m, where the user would be after a jump
+    this.target = null;  // m, of the jump being aimed
   }
   get active() { return this.#session !== null; }
-  /** The user sees the room. */
+  /** True while the user sees the room. */
   get visible() { return this.active && this.#session.visibilityState !== 'hidden'; }
 
-  /** As Marks draws its user. */
+  /** For Marks. */
   person() {
     const hand = (side) => {
       const pose = this.seen[side];
@@ -57,7 +57,7 @@ export class Headset {
     return {head: null, left: hand('left'), right: hand('right')};
   }
 
-  /** After a click: browsers ask that much. */
+  /** Call after a click: browsers require that. */
   async enter() {
     if (this.active) return;
     const xr = await navigator.xr.requestSession('immersive-vr', {
@@ -80,7 +80,7 @@ export class Headset {
       xr.addEventListener(type, ({inputSource}) => this.#press(inputSource, type.replace(/start|end/, ''), pressed));
     }
     const [rate] = [...xr.supportedFrameRates ?? []].filter((hz) => hz >= DISPLAY_HZ).sort((a, b) => a - b);
-    if (rate) xr.updateTargetFrameRate(rate).catch(() => {});  // as it is, then
+    if (rate) xr.updateTargetFrameRate(rate).catch(() => {});  // otherwise unchanged
     try {
       await this.drawing.enter(xr);
     } catch (problem) {
@@ -89,7 +89,7 @@ export class Headset {
     }
   }
 
-  /** At the begin of each picture. @param {number} now  ms @param {XRFrame} frame */
+  /** At the start of each picture. @param {number} now  ms @param {XRFrame} frame */
   track(now, frame) {
     const space = this.drawing.referenceSpace;
     const pause = Math.min(MOST_PAUSE, Math.max(0, (now - this.#last) / 1000));
@@ -122,7 +122,7 @@ export class Headset {
     this.session.track(this.seen);
   }
 
-  /** The middle between thumb and finger of a hand that is seen, else the controller's grip. */
+  /** The point between thumb and finger of a tracked hand, or the controller's grip. */
   #palm(source, poseIn) {
     const grip = poseIn(source.gripSpace);
     const tips = ['thumb-tip', 'index-finger-tip'].map((joint) => poseIn(source.hand?.get(joint)));
@@ -153,7 +153,7 @@ export class Headset {
   #open(side, source) {
     this.session.letGo(side.side);
     if (!source.hand || !side.aims) return;
-    if (performance.now() - side.since < DELIBERATE_MS) side.aims = false;  // it has missed something
+    if (performance.now() - side.since < DELIBERATE_MS) side.aims = false;  // a pinch that missed
     else this.#jump(side);
   }
   #lose(side) {
@@ -176,7 +176,7 @@ export class Headset {
   }
   #pulse({gamepad}) { gamepad?.hapticActuators?.[0]?.pulse?.(0.5, 30)?.catch?.(() => {}); }
 
-  /** Thumbsticks: forward aims, and jumps when it comes back; to a side turns. Who holds something is not torn away. */
+  /** Thumbsticks: forward aims, and jumps on release; sideways turns. A user who holds something is moved gently. */
   #move(side, head, pause) {
     const axes = side.source.gamepad?.axes ?? [];
     if (axes.length < 2) return;
@@ -200,7 +200,7 @@ export class Headset {
     const [x, y] = [Math.sin(this.#heading(head)), Math.cos(this.#heading(head))];
     this.stand.jump([head.position[0] + way * x, head.position[1] + way * y], head.position);
   }
-  /** rad from +y to the right: where the head looks, as far as it looks anywhere. */
+  /** rad from +y to the right: the head's horizontal direction. */
   #heading({orientation: [x, y, z, w]}) {
     // -z of the head in the world.
     return Math.atan2(-2 * (x * z + w * y), -2 * (y * z - w * x));
@@ -211,14 +211,14 @@ export class Headset {
     this.stand.jump(this.target, this.seen.head.position);
     this.target = null;
   }
-  /** Around what the room's camera looks at, each at a place of his own. */
+  /** A place for each user around the target of the room's camera. */
   #place(viewer) {
     this.#placed = true;
     const {target, azimuth} = this.drawing.look;
     const angle = azimuth * Math.PI / 180 + APART * (Number(this.session.self % BigInt(PLACES)) - (PLACES - 1) / 2);
     this.face([target[0] + AWAY * Math.cos(angle), target[1] + AWAY * Math.sin(angle)], angle + Math.PI / 2, viewer);
   }
-  /** Puts the user somewhere. @param {number} yaw  rad; 0 looks along +y @param {XRRigidTransform} viewer */
+  /** Moves the user. @param {number} yaw  rad; 0 looks along +y @param {XRRigidTransform} viewer */
   face(place, yaw, viewer) {
     const head = () => this.stand.pose(viewer);
     const heading = -this.#heading(head());
@@ -227,7 +227,7 @@ export class Headset {
   }
 }
 
-/** Shows the button where a headset is. Browsers offer one to pages from loopback or by TLS alone. */
+/** Shows the button if there is a headset. Browsers offer one only to pages from loopback or by TLS. */
 export async function offer(button, headset, complain) {
   const {xr} = navigator;
   if (!xr) return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The page's address: which room, and its key, which is in the fragment and so never sent to any server.
+// The page's address: the room, and its key in the fragment, which is never sent to a server.
 
 const ROOMS = ['sandbox', 'piano', 'tennis'];
 const KEY_BYTES = 32;
@@ -21,7 +21,7 @@ export function readLink() {
   let key = toBytes(location.hash.slice(1));
   if (!key && location.hash.length > 1) throw new Error('This link is not whole: its key, after the #, has 43 letters.');
   if (!key) {
-    // Who comes by a link without a key opens a room of his own, and may invite others to it.
+    // A link without a key opens a new room, to which its user may invite others.
     key = crypto.getRandomValues(new Uint8Array(KEY_BYTES));
     history.replaceState(null, '', `${location.pathname}?room=${room}#${toText(key)}`);
   }

@@ -29,9 +29,9 @@ function ownProfile() {
 }
 
 async function start() {
-  // With three.js, which is half of the page: the session does not wait for it.
+  // With three.js, half of the page: the session does not wait for it.
   const drawings = import('./drawing.js');
-  drawings.catch(() => {});  // told below
+  drawings.catch(() => {});  // reported below
   const link = readLink();
   const [room] = await Promise.all([
     fetch(`room-${link.room}.json`).then((answer) => answer.json()),
@@ -42,9 +42,9 @@ async function start() {
   let panel = null;
   let headset = null;
   const session = new Session(room, link, profile, () => panel?.show());
-  // Not by pictures, which take long on some machines: others are to hear of each step at its time.
+  // Not by pictures, which are slow on some machines: each step is sent at its time.
   setInterval(() => session.advance(), STEP_EVERY_MS);
-  // For tests, and for who looks into it.
+  // For tests and debugging.
   window.tandemRoom = {session, link};
   // A browser may call the page hidden while a headset shows it.
   const see = () => (document.hidden && !headset?.visible ? session.leave() : session.comeBack());
@@ -55,7 +55,7 @@ async function start() {
   window.addEventListener('hashchange', () => location.reload());
 
   const {Drawing} = await drawings;
-  // To begin a picture holds the page for long where the processor draws: the others are greeted before.
+  // The first picture blocks the page for long with software rendering: greet the others first.
   const end = performance.now() + GREET_MS;
   while (performance.now() < end && !session.greeted) await new Promise((resolve) => setTimeout(resolve, STEP_EVERY_MS));
   const canvas = document.getElementById('picture');
@@ -92,7 +92,7 @@ async function start() {
   drawing.loop((_, frame) => {
     const now = performance.now();
     if (frame) {
-      // Steps go before the picture: it may take long.
+      // Steps before the picture, which may take long.
       headset.track(now, frame);
       session.advance();
       const {stand, target} = headset;

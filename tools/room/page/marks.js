@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// People in the picture: hands as balls with a line to what they hold, heads with a name. World frame, z up, m.
+// People in the picture: hands as balls with a line to the held body, heads with a name. World frame, z up, m.
 import * as THREE from './three.module.min.js';
 import {poseOf, toWorld} from './poses.js';
 
 const HAND_RADIUS = 0.025;  // m
 const SIDES = ['left', 'right'];
 
-/** A name over a hand. */
 function label(text, colour) {
   const canvas = document.createElement('canvas');
   [canvas.width, canvas.height] = [256, 48];
@@ -46,7 +45,7 @@ function put(thing, {position, orientation}) {
   thing.quaternion.set(...orientation);
 }
 
-/** What a pointer holds. */
+/** A pointer's grasp. */
 class HandMark {
   constructor(name, colour, scene) {
     this.key = name + colour;
@@ -64,7 +63,7 @@ class HandMark {
   }
 }
 
-/** Somebody in a headset; of the own one only the hands. Things face -z and have y up, as a headset has it. */
+/** A headset's user; for the own one only the hands. Parts face -z with y up, as in headsets. */
 class PersonMark {
   constructor(name, colour, scene, whole) {
     this.key = name + colour;
@@ -100,7 +99,7 @@ class PersonMark {
   }
 }
 
-/** All of them, by who they are. */
+/** All people by key. */
 export class Marks {
   #marks = new Map();
 

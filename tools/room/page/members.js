@@ -1,29 +1,27 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Who is in the room, and what they say to each other: sealed, by a direct way where there is one, else through the
-// server.
+// The room's members and their sealed messages, by a direct connection if there is one, else through the server.
 import {Cipher, HELLO, KNOWN, PACKET, REFUSED} from './cipher.js';
 import {Direct} from './direct.js';
 import {CAME, GONE, NEWEST, RELIABLE, Server} from './server.js';
 
 // The first byte of a sealed packet (../peer/room_transport.h).
-export const STATES = 0;      // of the sharing, may be lost
-export const CONSTRAINTS = 1; // of the sharing
+export const STATES = 0;      // sharing, may be lost
+export const CONSTRAINTS = 1; // sharing
 export const WORDS = 2;       // JSON
-export const DIGEST = 3;      // where the sender's bodies are
-export const HAND = 4;        // where the sender's hand is
+export const DIGEST = 3;      // positions of the sender's bodies
+export const HAND = 4;        // the sender's hand
 
 const isReliable = (channel) => channel === CONSTRAINTS || channel === WORDS;
 const encode = (value) => new TextEncoder().encode(JSON.stringify(value));
 const TRY_AGAIN_MS = 8000;
-const SILENT_MS = 8000;   // who takes part says so ten times a second
-const AWAY_MS = 90000;    // of a page that is not seen, whose timers hardly run
+const SILENT_MS = 8000;   // a participant sends ten times a second
+const AWAY_MS = 90000;    // of a hidden page, whose timers hardly run
 
-/** Ids that are remembered, ever, as the cipher has it: a server can make up any number. */
+/** Limit of known ids, ever, as in the cipher: a server can invent any number. */
 const MAX_MEMBERS = 4096;
 
-/** One of the others. */
 class Member {
   constructor(id) {
     Object.assign(this, {id, name: '', colour: '#888888', listed: false, here: false, away: false, dropped: false,
@@ -34,7 +32,7 @@ class Member {
 
 export class Members {
   #cipher;
-  #due = 0;  // ms, when what is delayed last goes out
+  #due = 0;  // ms, when the last delayed message is due
 
   /**
    * @param {{key: Uint8Array, room: string, url: string, self: bigint, profile: object}} def
@@ -45,10 +43,10 @@ export class Members {
     this.profile = profile;
     this.listener = listener;
     this.all = new Map();
-    this.delay = 0;  // ms, one way, on top of what the ways have
+    this.delay = 0;  // ms, one way, added to the real delay
     this.refused = 0;
     this.bytesSent = 0;
-    this.relayed = false;  // true: no direct ways, for tests
+    this.relayed = false;  // true: no direct connections, for tests
     this.#cipher = new Cipher(key, room, self);
     this.server = new Server(url, self, {
       opened: () => listener.changed(),
@@ -62,13 +60,13 @@ export class Members {
     });
   }
 
-  /** Those who are there. */
+  /** Present members. */
   get here() { return [...this.all.values()].filter((member) => member.here); }
 
-  /** Somebody is in the room with another key. */
+  /** Another member uses another key. */
   get strangers() { return [...this.all.values()].some((member) => member.listed && member.strange); }
 
-  /** False where there is no way. */
+  /** False if the member is unreachable. */
   send(to, channel, bytes) {
     const member = this.all.get(to);
     if (!member?.here) return false;
@@ -88,9 +86,9 @@ export class Members {
     if (member) member.dropped = true;
     if (member) this.#check(member);
   }
-  /** Tells all, and goes. */
+  /** Announces the departure, and closes. */
   leave() {
-    // By the server where there is one: a direct way that closes may lose its last words.
+    // Through the server if possible: closing a direct connection may lose the last message.
     for (const {id, listed} of this.here) {
       const sealed = this.#cipher.seal(id, new Uint8Array([WORDS, ...encode({bye: true})]));
       if (!listed || !this.server.send(RELIABLE, id, sealed)) this.all.get(id).direct?.send(sealed, true);
@@ -98,7 +96,7 @@ export class Members {
     for (const {direct} of this.all.values()) direct?.close();
     this.server.close();
   }
-  /** Now and then: direct ways on which nothing comes are given up, and those that failed are tried again. */
+  /** Call regularly: drops silent direct connections, and retries failed ones. */
   tend() {
     for (const member of this.here) {
       const silent = performance.now() - member.heard > (member.away ? AWAY_MS : SILENT_MS);
@@ -158,13 +156,13 @@ export class Members {
     if (kind === HELLO || kind === KNOWN) {
       this.#introduce(member, bytes);
       if (kind === HELLO) this.#greet(member.id);
-      // By a packet the other end knows this page from a recording.
+      // A packet proves to the other end that the hello is not a recording.
       if (!member.here) this.#seal(member, new Uint8Array([WORDS, ...encode({})]));
       return;
     }
     if (kind !== PACKET || bytes.length === 0) {
       ++this.refused;
-      // Who says what this page's key does not open has another one, as long as nobody has heard better of him.
+      // A sender whose messages do not open has another key, unless an earlier one opened.
       if (kind === REFUSED && !member.name && !member.strange) {
         member.strange = true;
         this.listener.changed();
@@ -172,7 +170,7 @@ export class Members {
       return;
     }
     if (member.dropped) return;
-    // What a direct way brings after its last word: who has left does not come back by it.
+    // A direct connection may deliver after the farewell: that does not bring a member back.
     if (!member.here && !member.listed && !member.direct?.open) return;
     member.heard = performance.now();
     if (!member.here) {
@@ -184,7 +182,7 @@ export class Members {
     if (bytes[0] === WORDS) this.#words(member, bytes.subarray(1));
     else this.listener.heard(member, bytes[0], bytes.subarray(1));
   }
-  /** Untrusted, as all that members say. */
+  /** Untrusted, like all input from members. */
   #introduce(member, bytes) {
     try {
       const {name, colour, meets} = JSON.parse(new TextDecoder().decode(bytes));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What stands around the picture: who is there and how far apart the copies are, the link, the slider of latency.
+// The controls around the picture: members and divergence, the link, the slider of latency.
 
 const COMPLAIN_MS = 8000;
 
@@ -32,7 +32,7 @@ export class Panel {
     $('invite').onclick = () => $('sheet').toggleAttribute('hidden');
     $('copy').onclick = async () => {
       $('link').select();
-      // Browsers refuse the clipboard to pages without TLS: the link is then selected, to be copied by hand.
+      // Browsers refuse the clipboard without TLS: the link is then selected, to be copied by hand.
       await navigator.clipboard?.writeText(link.share).catch(() => {});
       $('copy').textContent = navigator.clipboard ? 'Copied' : 'Selected';
     };
@@ -44,7 +44,7 @@ export class Panel {
     this.show();
   }
 
-  /** For some seconds. */
+  /** Shown for some seconds. */
   complain(text) {
     this.complaint = {text, until: performance.now() + COMPLAIN_MS};
     this.show();
@@ -80,7 +80,7 @@ export class Panel {
   }
 }
 
-/** Instead of the room. */
+/** Shown instead of the room. */
 export function fail(text) {
   $('state').textContent = text;
   $('state').hidden = false;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A material for where the processor draws: lit once for each corner and not for each pixel, by sun and sky of
-// drawing.js, without fog and shadows. A picture of 200 boxes takes two fifths of the time.
+// A material for software rendering: lit per corner instead of per pixel, by sun and sky of drawing.js, without fog and
+// shadows. A picture of 200 boxes takes two fifths of the time.
 import * as THREE from './three.module.min.js';
 
 const VERTEX = `
@@ -27,7 +27,7 @@ void main() {
 }`;
 const FRAGMENT = 'varying vec3 seen; void main() { gl_FragColor = vec4(seen, 1.0); }';
 
-/** Of a mesh that is where its geometry is, or of instances. @param {number} colour  of no instances, as 0xrrggbb */
+/** For a single mesh or for instances. @param {number} colour  without instances, as 0xrrggbb */
 export function plainMaterial(colour = 0xffffff) {
   return new THREE.ShaderMaterial({uniforms: {colour: {value: new THREE.Color(colour)}}, vertexShader: VERTEX,
                                    fragmentShader: FRAGMENT});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Mouse and fingers: on a body they hold it, beside it they turn the picture; two fingers zoom, as the wheel does.
+// Mouse and fingers: on a body they hold it, elsewhere they turn the picture; two fingers or the wheel zoom.
 import {poseOf, toLocal} from './poses.js';
 
 const DEGREES = 0.35;  // each pixel
@@ -11,7 +11,7 @@ const limited = (value, low, high) => Math.min(high, Math.max(low, value));
 /** @param {HTMLCanvasElement} canvas @param {object} drawing @param {object} session */
 export function listen(canvas, drawing, session) {
   const down = new Map();  // by pointer: [x, y]
-  let holds = null;        // the pointer whose hand holds something
+  let holds = null;        // the pointer of the holding hand
   let depth = null;        // m, a point at the depth of the hand
   let span = 0;            // pixels between two fingers
 

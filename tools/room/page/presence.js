@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What members say of their heads and hands (tools/room/README.md, channel 4). Said by members, so untrusted: what is
-// not of this form, not finite, far from the room or too often is dropped and counted.
+// Members' messages about heads and hands (tools/room/README.md, channel 4). Untrusted: malformed, non-finite, distant or too
+// frequent ones are dropped and counted.
 import {mixed} from './poses.js';
 
 const POINTER_BYTES = 24;   // anchor (world) and attachment (body), f32; the body's name follows
 const MOST_NAME = 64;       // bytes
-/** As an f32 no number: who knows pointers only drops it. */
+/** NaN as an f32: older members that know only pointers drop it. */
 const HEADSET = 0x7fc00001;
-const HEADSET_BYTES = 5;    // the mark and what follows: bits
+const HEADSET_BYTES = 5;    // the mark and a bit set of the following parts
 const POSE_BYTES = 28;      // position and quaternion, f32
 const HEAD = 1;
 const SIDES = [{side: 'left', there: 2, holds: 8}, {side: 'right', there: 4, holds: 16}];
 const ALL_BITS = 31;
 const FAR = 20;             // m from the room's middle, by coordinate
-const LARGEST = 4;          // m, from the middle of what is held
-const UNIT = 0.01;          // by how much a quaternion's length may be wrong
-const EACH_SECOND = 30;     // messages of one member; pages and native peers say 20
+const LARGEST = 4;          // m, from the centre of the held body
+const UNIT = 0.01;          // tolerance of a quaternion's length
+const EACH_SECOND = 30;     // messages per member; pages and native peers send 20
 const FOR_MS = 1000;
-const BLEND_MS = 60;        // from one message to the next
+const BLEND_MS = 60;        // between messages
 
 export class Malformed extends Error {}
 const rule = (holds) => { if (!holds) throw new Malformed(); };
@@ -52,7 +52,7 @@ export function encodeHeadset(seen, holding) {
   return new Uint8Array([...new Uint8Array(new Uint32Array([HEADSET]).buffer), bits, ...bytes]);
 }
 
-/** Reads on from where it is; what is not there, or breaks a rule, throws Malformed. */
+/** Sequential reader; missing data or a broken rule throws Malformed. */
 class Reader {
   constructor(bytes) {
     this.bytes = bytes;
@@ -67,7 +67,7 @@ class Reader {
   floats(count, most) {
     const at = this.skip(4 * count);
     const values = Array.from({length: count}, (_, i) => this.view.getFloat32(at + 4 * i, true));
-    rule(values.every((x) => Math.abs(x) <= most));  // so not of what is no number
+    rule(values.every((x) => Math.abs(x) <= most));  // also false for NaN
     return values;
   }
   pose() {
@@ -111,16 +111,16 @@ export function decode(bytes, find) {
     said[side].attachment = reader.floats(3, LARGEST);
     const length = bytes[reader.skip(1)];
     rule(length <= MOST_NAME);
-    // A body that this page does not know yet: the hand is seen without it.
+    // A body that is unknown here: the hand is shown without it.
     said[side].held = found(reader.name(length));
   }
   rule(reader.at === bytes.length);
   return said;
 }
 
-/** What the others have said lately. */
+/** The others' latest messages. */
 export class Presence {
-  #said = new Map();   // by member: what decode() gives, with `at`, ms, and `before`, poses shown when it came
+  #said = new Map();   // by member: decode()'s result, with `at`, ms, and `before`, the poses shown on arrival
   #credit = new Map(); // by member: {left: messages, at: ms}
   refused = 0;
 
@@ -142,9 +142,9 @@ export class Presence {
     this.#said.delete(id);
     this.#credit.delete(id);
   }
-  /** A pointer that holds something: {held, anchor, attachment}. */
+  /** A holding pointer: {held, anchor, attachment}. */
   pointer(id, now = performance.now()) { return this.#lately(id, now)?.pointer ?? null; }
-  /** Who wears a headset, smoothed from message to message: {head, left, right}, hands as {pose, held, attachment}. */
+  /** A headset's user, smoothed between messages: {head, left, right}, hands as {pose, held, attachment}. */
   person(id, now = performance.now()) {
     const said = this.#lately(id, now);
     if (!said || said.pointer) return null;

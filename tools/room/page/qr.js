@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A link as a QR code (ISO/IEC 18004): bytes, error correction L, versions 1 to 10, that is up to 271 bytes.
+// A link as a QR code (ISO/IEC 18004): bytes, error correction L, versions 1 to 10, up to 271 bytes.
 
-// Of each version, at level L: codewords of data in all, of error correction for each block, blocks.
+// Per version, at level L: data codewords, error correction codewords per block, blocks.
 const LEVEL_L = [[19, 7, 1], [34, 10, 1], [55, 15, 1], [80, 20, 1], [108, 26, 1], [136, 18, 2], [156, 20, 2],
                  [194, 24, 2], [232, 30, 2], [274, 18, 4]];
 const ALIGNMENT = [[], [6, 18], [6, 22], [6, 26], [6, 30], [6, 34], [6, 22, 38], [6, 24, 42], [6, 26, 46], [6, 28, 50]];
@@ -23,7 +23,7 @@ for (let i = 0, x = 1; i < 255; ++i) {
 }
 const times = (a, b) => (a && b ? EXP[LOG[a] + LOG[b]] : 0);
 
-/** Reed-Solomon: the remainder of the data by the generator of that degree. */
+/** Reed-Solomon: the remainder of the data divided by the generator of that degree. */
 function correction(data, degree) {
   let generator = [1];
   for (let i = 0; i < degree; ++i) {
@@ -39,7 +39,7 @@ function correction(data, degree) {
   return rest.slice(data.length);
 }
 
-/** All codewords in the order in which they are drawn. */
+/** All codewords in drawing order. */
 function codewords(bytes, version) {
   const [room, degree, count] = LEVEL_L[version - 1];
   const bits = [];
@@ -128,7 +128,7 @@ class Matrix {
     for (let k = 8; k < 15; ++k) this.set(this.size - 15 + k, 8, bit(k));
     this.set(this.size - 8, 8, true);
   }
-  /** In two columns at a time, up and down, from the right. */
+  /** Two columns at a time, up and down, from the right. */
   fill(words) {
     let k = 0;
     for (let right = this.size - 1; right > 0; right -= 2) {
@@ -151,7 +151,7 @@ class Matrix {
     }));
     this.format(which);
   }
-  /** Of runs, 2 x 2 blocks and imbalance: the less, the easier to read. */
+  /** Penalty of runs, 2 x 2 blocks and imbalance: less is easier to read. */
   penalty() {
     let sum = 0;
     let darks = 0;
@@ -177,7 +177,7 @@ class Matrix {
   }
 }
 
-/** @param {string} text @returns {?boolean[][]}  dark modules, row by row; null where it is too long */
+/** @param {string} text @returns {?boolean[][]}  dark modules, row by row; null if it is too long */
 export function qrCode(text) {
   const bytes = new TextEncoder().encode(text);
   const version = 1 + LEVEL_L.findIndex(([room], k) => bytes.length + (k < 9 ? 2 : 3) <= room);

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What this page's hand did, for who wants to keep it: off until its button is pressed, in memory until it is pressed
-// again, then a file on the user's own disk. The format is in docs/hands.md.
+// Records this page's hand, in memory from one press of its button to the next, then as a file on the user's disk. The
+// format is in docs/hands.md.
 
 const LONGEST = 600;  // s
-const RATE = 60;      // steps of the page each second
+const RATE = 60;      // steps of the page per second
 const TELL_MS = 500;
 
 // To 0.1 ms, and 0.1 mm.
 const short = (value) => String(Number(value.toFixed(4)));
 const point = (values) => values.map(short).join(' ');
-// Names of what members made tell whose they are. Words of printable characters, as the format has it.
+// Names of members' bodies contain their maker. Words of printable characters, as the format requires.
 const nameOf = (name) => (name.startsWith('made/') ? 'made' : name.replace(/[^!-~]/g, '_').slice(0, 64));
 
 export class Recorder {
   #lines = [];
   #first = null;  // ms, session time of the first step
-  #hand = null;   // the one of the last step
+  #hand = null;   // of the last step
 
   /** @param {string} room  its name */
   constructor(room) {
@@ -25,7 +25,7 @@ export class Recorder {
     this.#lines.push('tandem-hand 1', `room ${room}`, `rate ${RATE}`);
   }
   get full() { return this.seconds >= LONGEST; }
-  /** At each step. @param {number} time  ms, grows @param {?object} hand  wanted, held, attachment */
+  /** Call at each step. @param {number} time  ms, grows @param {?object} hand  wanted, held, attachment */
   step(time, hand) {
     this.#first ??= time;
     this.seconds = Math.min(LONGEST, (time - this.#first) / 1000);
@@ -38,7 +38,7 @@ export class Recorder {
     }
     this.#hand = hand;
   }
-  /** The file's text; nothing is held after that. */
+  /** The file's text; clears the record. */
   end() {
     this.step(1000 * this.seconds + (this.#first ?? 0), null);
     this.#say('end');

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The WebSocket to the room's server, which comes back by itself (../server/wire.h has its messages).
+// The WebSocket to the room's server, with reconnection (../server/wire.h has its messages).
 
 export const JOIN = 1;
 export const NEWEST = 2;
@@ -13,9 +13,9 @@ export const GONE = 7;
 
 const HEADER = 9;
 const AGAIN_MS = 1500;
-const MOST_WAITING = 1 << 20;  // bytes, from which on what is newest is not sent
+const MOST_WAITING = 1 << 20;  // bytes queued, above which losable messages are not sent
 
-/** A message of its kind about a member. */
+/** A message of a kind about a member. */
 function message(kind, id, bytes = new Uint8Array(0)) {
   const out = new Uint8Array(HEADER + bytes.length);
   const view = new DataView(out.buffer);
@@ -33,7 +33,7 @@ export class Server {
    * @param {string} url
    * @param {bigint} self
    * @param {{opened: function(), closed: function(), heard: function(number, bigint, Uint8Array), time: function(number, number),
-   *   welcome: function(bigint[])}} listener  time: ms as it was sent, ms of the server since 1970
+   *   welcome: function(bigint[])}} listener  time: ms when sent, ms of the server since 1970
    */
   constructor(url, self, listener) {
     Object.assign(this, {url, self, listener});

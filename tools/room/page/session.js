@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// This page as a peer: its world in steps of session time, shared with the members of the room. A page that is not
-// seen takes no part: it lets go and says so; when it is seen again it begins as a newcomer does, who learns before
-// he is heard.
+// This page as a peer: its world in steps of session time, shared with the room's members. A hidden page leaves and
+// releases its grips; once visible again it joins like a newcomer, which learns before it is heard.
 import {Peer, Transport} from './tandem.js';
 import {Clock} from './clock.js';
 import {Grip} from './grip.js';
@@ -13,31 +12,31 @@ import {Presence, encodeHeadset, encodePointer} from './presence.js';
 import {RoomWorld, STEP_MS, WAIT} from './world.js';
 
 const STEP_NS = 16666667n;
-const MOST_STEPS = 8;        // at once
-const TOO_LATE_MS = 250;     // what was not stepped in time is left out
-const LATENESS_SHARE = 0.1;  // of what is new in the mean
-const ASLEEP_MS = 1000;      // the page did not run for so long
+const MOST_STEPS = 8;        // per call
+const TOO_LATE_MS = 250;     // older steps are skipped
+const LATENESS_SHARE = 0.1;  // weight of a new value in the mean
+const ASLEEP_MS = 1000;      // the page was suspended for longer
 const DIGEST_EVERY = 30;     // steps
 const HAND_EVERY = 3;        // steps
 const HAVE_EVERY = 120;      // steps
 const AWAY_EVERY_MS = 2000;
 const ASK_SOON_MS = 200;
 const ASK_TIME_MS = 10000;
-const PACKET_BYTES = 1100;   // a data channel must not cut what may be lost
-// Less than half of the default's budget, for pages that step 200 bodies on one core and draw them there (docs/room.md).
+const PACKET_BYTES = 1100;   // a data channel must not fragment losable packets
+// Less than half of the default budget, for pages that step and draw 200 bodies on one core (docs/room.md).
 const PEER = {compact: true, replayBudget: 1.5};
 const MADE_EACH = 64;
-const TELL_MS = 1000;        // nobody makes this page say all again more often
-const POINTER = 'pointer';   // the hand of mouse or finger; those of a headset are 'left' and 'right'
+const TELL_MS = 1000;        // limit on repeating everything for one member
+const POINTER = 'pointer';   // the hand of mouse or finger; a headset's are 'left' and 'right'
 
 export class Session {
   #peer = null;
   #transport;
-  #step = 0;      // number of the world's next step: its session time by STEP_NS
+  #step = 0;      // number of the next step: its session time over STEP_NS
   #ran = 0;       // ms, performance.now() of the last advance
   #asked = -Infinity;
-  #told = 0;      // ms, when it last said that it is away
-  #digests = new Map();  // by member, to be compared
+  #told = 0;      // ms, of the last farewell
+  #digests = new Map();  // by member, to compare
 
   /** @param {object} room  its file @param {object} link  key, room, url @param {object} profile  name, colour */
   constructor(room, link, profile, changed) {
@@ -45,8 +44,8 @@ export class Session {
     this.changed = changed;
     this.world = new RoomWorld(room);
     this.clock = new Clock();
-    this.holding = new Map();  // by which hand: what has held, anchor, attachment
-    /** Where the headset's user is: poses of head, left and right where they are known; null without a headset. */
+    this.holding = new Map();  // by hand: {held, anchor, attachment}
+    /** The headset user's poses of head, left and right, if known; null without a headset. */
     this.seen = null;
     this.away = false;
     this.apart = new Map();   // by member: {typical, most}, m
@@ -54,7 +53,7 @@ export class Session {
     this.onMade = () => {};
     this.onHand = () => {};   // at each step: session time (ms), the hand or null
     this.steps = 0;
-    this.late = 0;            // ms, by how much steps come after their time, smoothed
+    this.late = 0;            // ms, mean delay of steps
     this.members = new Members({...link, self: this.self, profile: {...profile, meets: true}}, {
       welcome: () => changed(),
       came: (member) => this.#came(member),
@@ -76,10 +75,10 @@ export class Session {
   /** ms, session time of the world. */
   get time() { return this.#step * STEP_MS; }
   get running() { return this.#ran > 0 && !this.away; }
-  /** It takes part, and has heard of others' bodies. */
+  /** It takes part, and has received others' bodies. */
   get greeted() { return this.running && this.#peer.stats().updatesReceived > 0n; }
 
-  /** Makes the steps that are due. @returns {number}  how many */
+  /** Runs due steps. @returns {number}  how many */
   advance() {
     const real = performance.now();
     if (real - this.#asked > (this.clock.settled ? ASK_TIME_MS : ASK_SOON_MS)) this.#askTime(real);
@@ -104,9 +103,9 @@ export class Session {
     return steps;
   }
 
-  /** What mouse or finger holds. */
+  /** The grip of mouse or finger. */
   get hand() { return this.holding.get(POINTER) ?? null; }
-  /** Holds a body at a point of its own frame; the pointer holds nothing after that but this. */
+  /** Holds a body at a point of its own frame; the pointer releases any other. */
   grab(held, attachment) {
     this.release();
     this.holding.set(POINTER, new Hand(held, attachment));
@@ -114,7 +113,7 @@ export class Session {
   release() {
     if (this.#letGo(POINTER)) this.members.sendAll(HAND, new Uint8Array(0));
   }
-  /** A hand of a headset holds a body. @param {string} side  left or right @param {object} pose  of the hand, world */
+  /** A headset's hand grasps a body. @param {string} side  left or right @param {object} pose  of the hand, world */
   grip(side, held, pose) {
     this.letGo(side);
     this.holding.set(side, new Grip(held, pose));
@@ -123,7 +122,7 @@ export class Session {
   letGo(side) {
     if (this.#letGo(side)) this.#shareLoads();
   }
-  /** Where head and hands of the headset's user are now; null: there is no headset any more. */
+  /** Sets the poses of the headset's user; null: no headset. */
   track(seen) {
     if (this.seen && !seen) this.members.sendAll(HAND, new Uint8Array(0));
     this.seen = seen;
@@ -134,14 +133,14 @@ export class Session {
     this.release();
     for (const side of [...this.holding.keys()]) this.letGo(side);
   }
-  /** Puts a body into the room. @param {object} shape @param {number[]} position  m */
+  /** Adds a body to the room. @param {object} shape @param {number[]} position  m */
   make(shape, position) {
     const def = {name: `made/${this.self.toString(16)}-${this.world.made.length}`, shape, position};
     if (!this.#made(def)) return false;
     this.members.sayAll({made: [def]});
     return true;
   }
-  /** The page is no longer seen. */
+  /** The page is hidden. */
   leave() {
     if (this.away) return;
     this.letGoOfAll();
@@ -164,7 +163,7 @@ export class Session {
     this.members.leave();
   }
 
-  /** As a newcomer. */
+  /** Joins like a newcomer. */
   #join() {
     this.holding.clear();
     this.onHand(this.time, null);
@@ -189,11 +188,11 @@ export class Session {
       this.members.sendAll(DIGEST, this.world.digest(this.now));
       this.members.tend();
     }
-    // Where ways change words may be lost: who has less is told all.
+    // Messages may be lost while connections change: a member with fewer bodies is sent all.
     if (this.#step % HAVE_EVERY === 0) this.members.sayAll({have: this.world.made.length});
     if (this.#step % HAND_EVERY === 0) this.#tellHands();
   }
-  /** What others have said of their bodies, once this world is as far. */
+  /** Compares others' positions, once this world has reached their time. */
   #compare() {
     for (const [id, bytes] of this.#digests) {
       const apart = this.world.compare(bytes);
@@ -270,7 +269,7 @@ export class Session {
     else if (this.hand) this.members.sendAll(HAND, encodePointer(this.hand));
   }
   peerStats() { return this.#peer.stats(); }
-  /** What others hold by mouse or finger, as far as it was heard of lately. */
+  /** Others' recent grips by mouse or finger. */
   *seenHands() {
     for (const member of this.members.here) {
       const hand = this.presence.pointer(member.id);
@@ -291,7 +290,7 @@ export class Session {
   }
 }
 
-/** Above 0, of 63 bits. */
+/** Positive, 63 bits. */
 function randomId() {
   const [id] = crypto.getRandomValues(new BigUint64Array(1));
   return id >> 1n | 1n;

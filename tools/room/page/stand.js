@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Where the headset's floor is in the room, and the only place where its frame (y up) meets the room's (z up).
+// Position of the headset's floor in the room, and the only conversion between its frame (y up) and the room's (z up).
 import {minus, plus, product, rotated, toWorld} from './poses.js';
 
 const UPRIGHT = [Math.SQRT1_2, 0, 0, Math.SQRT1_2];  // y up to z up
 const FAR = 10;        // m from the room's middle
-const SPEED = 6;       // m/s, of what is thrown to aim
+const SPEED = 6;       // m/s, of the aiming throw
 const GRAVITY = 9.81;  // m/s²
 const LONGEST = 2;     // s
 
@@ -23,11 +23,11 @@ export class Stand {
   pose({position: p, orientation: q}) {
     return {position: toWorld(this, [p.x, p.y, p.z]), orientation: product(this.orientation, [q.x, q.y, q.z, q.w])};
   }
-  /** Brings the head above a point. @param {number[]} head  m, world: where it is now */
+  /** Moves the head above a point. @param {number[]} head  m, world: its present position */
   jump([x, y], head) {
     this.position = [this.position[0] + within(x) - head[0], this.position[1] + within(y) - head[1], 0];
   }
-  /** About the head. @param {number} angle  rad, to the left */
+  /** Turns about the head. @param {number} angle  rad, to the left */
   turn(angle, head) {
     const foot = [head[0], head[1], 0];
     this.position = plus(foot, rotated(about(angle), minus(this.position, foot)));
@@ -35,7 +35,7 @@ export class Stand {
   }
 }
 
-/** Where a throw along -z of this pose meets the floor, m; null where that is too far. */
+/** The point where a throw along -z of this pose meets the floor, m; null if it is too far. */
 export function landing({position, orientation}) {
   const speed = rotated(orientation, [0, 0, -SPEED]);
   const time = (speed[2] + Math.sqrt(speed[2] ** 2 + 2 * GRAVITY * Math.max(0, position[2]))) / GRAVITY;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The room's bodies, as its file has them and as members have made more; where they were, and how far those of others
-// were from there.
+// The room's bodies, from its file and made by members; their recent positions, and the divergence from those of
+// others.
 import {STATE, World, shapeMass, sharedId} from './tandem.js';
 
 export const STEP_MS = 16666667e-6;  // of session time
@@ -12,12 +12,12 @@ const MOST_BODIES = 320;
 const MADE = {density: 300, linearDamping: 0.3, angularDamping: 2};
 const DIGEST_BODY = 20;              // bytes
 const LATE_MS = 1000;
-/** Of compare(): the own world is not so far yet. */
+/** Result of compare(): the own world has not reached that time. */
 export const WAIT = Symbol('wait');
 
 const within = (value, low, high) => typeof value === 'number' && value >= low && value <= high;
 
-/** What members may make: one shape of 3 cm to 1 m, near the room's middle. Native peers have the same rule. */
+/** Bodies that members may make: one shape of 3 cm to 1 m, near the room's centre. Native peers have the same rule. */
 export function mayBeMade(body) {
   if (body === null || typeof body !== 'object' || Object.keys(body).length !== 3) return false;
   const {name, shape, position} = body;
@@ -30,7 +30,6 @@ export function mayBeMade(body) {
     shape.halfExtents.every((x) => within(x, 0.015, 0.5));
 }
 
-/** Median and largest of some numbers. */
 function summary(values) {
   if (values.length === 0) return null;
   values.sort((a, b) => a - b);
@@ -47,7 +46,7 @@ export class RoomWorld {
     this.room = room;
     this.world = new World();
     this.bodies = [];  // {name, body, mass, def}, by row of states
-    this.made = [];    // what members have made
+    this.made = [];    // bodies made by members
     for (const def of room.bodies) this.#add(def);
   }
 
@@ -65,7 +64,7 @@ export class RoomWorld {
     return added;
   }
   find(name) { return this.bodies.find((one) => one.name === name); }
-  /** Null where it is none that may be made, or is there already. @param {object} def  untrusted */
+  /** Null if it is not allowed, or exists already. @param {object} def  untrusted */
   make(def) {
     if (!mayBeMade(def) || this.bodies.length >= MOST_BODIES || this.find(def.name)) return null;
     const added = this.#add({...def, ...MADE});
@@ -74,7 +73,7 @@ export class RoomWorld {
   }
 
   step() { this.world.step(DT); }
-  /** Remembers where all are. @param {number} time  ms, session time after the step */
+  /** Stores the states. @param {number} time  ms, session time after the step */
   remember(time) {
     const old = this.#past.length >= REMEMBERED ? this.#past.shift() : null;
     const states = this.world.states;
@@ -83,7 +82,10 @@ export class RoomWorld {
     this.#past.push({time, states: kept});
   }
   forget() { this.#past = []; }
-  /** Poses between the last two steps, as `states`; without velocities. @param {number} part  of a step since the last one; cut to 0 to 1 */
+  /**
+   * Poses between the last two steps, as `states`; without velocities. @param {number} part  fraction of a step,
+   * clamped to 0 to 1
+   */
   between(part) {
     const [before, last] = this.#past.slice(-2).map(({states}) => states);
     const {states} = this.world;
@@ -106,7 +108,7 @@ export class RoomWorld {
     return this.#shown;
   }
 
-  /** Session time, ns, and of each body the upper half of its id and its position. @param {bigint} time */
+  /** Session time, ns, then the upper half of the id and the position of each body. @param {bigint} time */
   digest(time) {
     const view = new DataView(new ArrayBuffer(8 + DIGEST_BODY * this.#ids.size));
     view.setBigUint64(0, time, true);
@@ -119,9 +121,9 @@ export class RoomWorld {
     return new Uint8Array(view.buffer);
   }
   /**
-   * How far another's bodies were from the own, at its time.
+   * Distance of another's bodies from the own ones, at its time.
    * @param {Uint8Array} bytes  untrusted
-   * @returns {?{typical: number, most: number}|symbol}  m; null where that time is not known here, WAIT: not yet
+   * @returns {?{typical: number, most: number}|symbol}  m; null if that time is unknown here, WAIT: not yet
    */
   compare(bytes) {
     if (bytes.length < 8 || (bytes.length - 8) % DIGEST_BODY !== 0) return null;

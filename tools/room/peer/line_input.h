@@ -7,13 +7,13 @@
 
 namespace tandem::room {
 
-/// Lines of standard input, without waiting for them. A thread reads, as not every system can tell
-/// whether a pipe has something; it may wait there still when the program ends.
+/// Non-blocking lines of standard input. A thread reads, as not every system can poll a pipe; it
+/// may still be blocked when the program ends.
 class LineInput {
  public:
   LineInput();
 
-  /// The next line, or an empty one where none is there yet. False at the end.
+  /// The next line, or an empty one if there is none yet. False at the end.
   bool take(std::string& line);
 
  private:

@@ -34,8 +34,8 @@ using Socket = websocket::stream<beast::tcp_stream>;
 
 constexpr std::chrono::seconds kAgain{1};
 constexpr std::chrono::seconds kPatience{5};
-constexpr std::size_t kMaxWaiting = 1 << 20;  // bytes to be sent
-constexpr std::size_t kMaxHeard = 16384;      // messages that nobody has taken
+constexpr std::size_t kMaxWaiting = 1 << 20;  // bytes queued for sending
+constexpr std::size_t kMaxHeard = 16384;      // unread messages
 
 void require(bool good, const char* rule) {
   if (!good) throw std::invalid_argument(std::string("link must ") + rule);
@@ -95,7 +95,7 @@ class Link::Impl {
   }
   ~Impl() {
     asio::post(io_, [this] {
-      // What was said last is still sent, for a moment.
+      // Allow the last messages to be sent.
       again_.expires_after(std::chrono::milliseconds(waiting_.empty() ? 0 : 200));
       again_.async_wait([this](Error) { io_.stop(); });
     });

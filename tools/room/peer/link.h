@@ -24,7 +24,7 @@ struct Address {
 /// @throws std::invalid_argument naming the part and the rule
 Address read_address(std::string_view link);
 
-/// A member's WebSocket to the room's server, on a thread of its own. It comes back by itself.
+/// A member's WebSocket to the room's server, on its own thread, with reconnection.
 /// @par Thread safety  Safe: all methods from any thread.
 class Link {
  public:
@@ -33,9 +33,9 @@ class Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// False where it is not connected, or too much waits.
+  /// False if it is not connected, or the queue is full.
   bool send(Bytes message);
-  /// Appends messages that have come since. An empty one: the connection has begun anew.
+  /// Appends received messages. An empty one means a new connection.
   void take(std::vector<Bytes>& out);
   bool connected() const;
 

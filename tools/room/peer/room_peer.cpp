@@ -23,11 +23,11 @@ constexpr consensus::SessionTime kTellEvery = 1'000'000'000;
 constexpr int kHandEvery = 3;    // steps
 constexpr int kHaveEvery = 120;  // steps
 
-// A hand, as the live view has it (docs/view.md).
+// The hand's limits are those of the live view (docs/view.md).
 constexpr double kFastest = 2.0;      // m/s
 constexpr double kReach = 0.1;        // m
-constexpr double kForcePerKg = 40.0;  // N/kg, at most: four times its weight
-constexpr double kFullAt = 0.04;      // m, from where on it pulls with all of it
+constexpr double kForcePerKg = 40.0;  // N/kg: four times the weight
+constexpr double kFullAt = 0.04;      // m, stretch at maximum force
 constexpr double kDampingRatio = 0.7;
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
@@ -49,7 +49,7 @@ void append_float(Bytes& out, double value) {
 consensus::PeerOptions peer_options() {
   consensus::PeerOptions options;
   options.sending.format = consensus::StateFormat::Compact;
-  options.replay.budget = 1.5;  // as pages have it
+  options.replay.budget = 1.5;  // as in pages
   return options;
 }
 
@@ -77,7 +77,7 @@ int RoomPeer::advance() {
   hear();
   const auto now = transport_.now();
   if (!now) return 0;
-  // What was not stepped in time is left out: others have news of what became of it.
+  // Late steps are skipped: others' updates contain their results.
   if (time_ == 0 || *now - time_ > kTooLate) time_ = *now - *now % kStep;
   int steps = 0;
   while (time_ + kStep <= *now && steps < kMostSteps) {
@@ -143,17 +143,17 @@ void RoomPeer::hear() {
   }
 }
 
-/// Untrusted, as all that members say.
+/// Untrusted, like all input from members.
 void RoomPeer::hear_words(MemberId from, std::string_view text) {
   const json words = json::parse(text, nullptr, false);
   if (!words.is_object()) return;
   if (const auto away = words.find("away"); away != words.end() && away->is_boolean()) {
     transport_.set_away(from, away->get<bool>());
   }
-  // Where ways change words may be lost: who has less is told all.
+  // Messages may be lost while connections change: a member with fewer bodies is sent all.
   if (const auto have = words.find("have"); have != words.end() && have->is_number()) {
     const bool less = have->get<double>() < static_cast<double>(made_.size());
-    // Nobody makes this peer say all again more often.
+    // Limits repetitions for one member.
     if (less && time_ - told_made_[from] > kTellEvery) say_made(from);
   }
   if (const auto made = words.find("made"); made != words.end() && made->is_array()) {
@@ -167,8 +167,8 @@ void RoomPeer::hear_words(MemberId from, std::string_view text) {
   }
 }
 
-/// All that were made by anybody, in messages that are not too long: whoever knows less, takes them
-/// over.
+/// Sends all bodies made by members, in messages of limited length; receivers add those that they
+/// lack.
 void RoomPeer::say_made(MemberId to) {
   constexpr std::size_t kEach = 64;
   told_made_[to] = time_;
@@ -183,8 +183,8 @@ void RoomPeer::say_made(MemberId to) {
   }
 }
 
-/// Session time, ns, and of each body the upper half of its id and its position, which others
-/// compare with theirs.
+/// Session time, ns, then the upper half of the id and the position of each body, for comparison by
+/// others.
 void RoomPeer::send_digest() {
   told_ = time_;
   Bytes out;
@@ -208,7 +208,7 @@ void RoomPeer::send_hand() {
   until_hand_ = kHandEvery;
   Bytes out;
   for (int i = 0; i < 3; ++i) append_float(out, hand_->anchor[i]);
-  for (int i = 0; i < 3; ++i) append_float(out, 0.0);  // it holds the middle
+  for (int i = 0; i < 3; ++i) append_float(out, 0.0);  // attachment at the centre
   out.insert(out.end(), hand_->body.begin(), hand_->body.end());
   send_all(Channel::Hand, out);
 }

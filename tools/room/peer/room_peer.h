@@ -15,7 +15,7 @@
 
 namespace tandem::room {
 
-/// One native participant of a room: simulates all of it, as a page does, and may pull at bodies.
+/// One native participant of a room: simulates all of it, as a page does, and may pull bodies.
 /// @par Thread safety  One object: one thread at a time.
 class RoomPeer {
  public:
@@ -25,11 +25,11 @@ class RoomPeer {
   RoomPeer(const RoomPeer&) = delete;
   RoomPeer& operator=(const RoomPeer&) = delete;
 
-  /// Makes the steps that are due. @return how many; 0 before the server has said what time it is
+  /// Runs due steps. @return how many; 0 before the server has sent its time
   int advance();
 
-  /// Holds a body at its middle, and moves the hand to a point (m, world), no faster than a person
-  /// would. False where there is no such body that moves.
+  /// Holds a body at its centre and moves the hand to `to` (m, world) at a person's pace. False if
+  /// no such movable body exists.
   bool pull(std::string_view body, const Vec3& to);
   void release();
 
@@ -63,10 +63,10 @@ class RoomPeer {
   consensus::Peer peer_;
   consensus::SessionTime time_ = 0;
   consensus::SessionTime told_ = 0;  ///< ns, of the last digest
-  int until_hand_ = 0;               ///< steps until the hand is told of again
+  int until_hand_ = 0;               ///< steps until the next message about the hand
   std::optional<Hand> hand_;
-  std::vector<std::string> made_;                         ///< JSON of bodies that members have made
-  std::map<MemberId, consensus::SessionTime> told_made_;  ///< ns, when a member was told of them
+  std::vector<std::string> made_;                         ///< JSON of bodies made by members
+  std::map<MemberId, consensus::SessionTime> told_made_;  ///< ns, time of sending them to a member
   std::vector<RoomTransport::Heard> heard_;
   std::vector<MemberId> newcomers_;
 };

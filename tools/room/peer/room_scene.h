@@ -10,14 +10,13 @@
 
 namespace tandem::room {
 
-/// A room's bodies by name, as its file has them (tools/room/page/room-NAME.json) and as members
-/// have made more.
+/// A room's bodies by name, from its file (tools/room/page/room-NAME.json) and made by members.
 class RoomScene {
  public:
   struct Body {
     std::string name;
     pbd::BodyId body;
-    double mass = 0.0;  ///< kg; 0 = it does not move
+    double mass = 0.0;  ///< kg; 0 = static
   };
 
   /// @param text  JSON @throws std::invalid_argument naming field, value and rule
@@ -27,8 +26,7 @@ class RoomScene {
   const std::vector<Body>& bodies() const { return bodies_; }
   const Body* find(std::string_view name) const;
 
-  /// A body that a member has made. Untrusted: null where it is none that may be made, or there are
-  /// too many.
+  /// Adds a member's body. Untrusted: null if it is not allowed, or there are too many.
   /// @param text  JSON of one body
   const Body* make(std::string_view text);
 

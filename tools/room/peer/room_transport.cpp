@@ -13,8 +13,8 @@ namespace tandem::room {
 
 namespace {
 
-constexpr std::size_t kPacketBytes = 1100;  // as pages have, whose data channels must not cut them
-constexpr int kFirstQuestions = 5;          // of the time, one after the other
+constexpr std::size_t kPacketBytes = 1100;  // must not be fragmented, see pages
+constexpr int kFirstQuestions = 5;          // for the time, in direct succession
 constexpr std::int64_t kAskAgain = 200'000'000;
 constexpr std::int64_t kAskLater = 10'000'000'000;
 
@@ -119,7 +119,7 @@ void RoomTransport::poll() {
 }
 
 void RoomTransport::hear(const Bytes& message) {
-  if (message.empty()) {  // a connection of its own
+  if (message.empty()) {  // a new connection
     asked_ = INT64_MIN / 2;
     questions_ = 0;
     for (auto& [id, member] : members_) member.here = false;
@@ -162,7 +162,7 @@ void RoomTransport::take_time(std::span<const std::uint8_t> bytes) {
       static_cast<std::int64_t>(read_u64(bytes, 8)) - (sent + round_trip / 2);
   ++questions_;
   if (questions_ < kFirstQuestions) asked_ = INT64_MIN / 2;  // the next at once
-  // The quickest answer is the truest; later ones follow the drift, slowly.
+  // The quickest answer is the most accurate; later ones follow the drift, slowly.
   if (!offset_ || round_trip <= best_round_trip_) {
     best_round_trip_ = round_trip;
     if (!offset_ || questions_ <= kFirstQuestions) {
@@ -192,7 +192,7 @@ void RoomTransport::open(MemberId from, View sealed) {
     ++refused_;
     return;
   }
-  // Those whom the server makes up are not remembered, and the cipher knows no more than it may.
+  // Ids that the server invents are not stored, and the cipher limits their number.
   Member& member = members_[from];
   switch (kind) {
     case Cipher::Kind::Refused:
@@ -201,7 +201,7 @@ void RoomTransport::open(MemberId from, View sealed) {
       greet(from);
       [[fallthrough]];
     case Cipher::Kind::Known:
-      // By a packet the other end knows this one from a recording.
+      // A packet proves to the other end that the hello is not a recording.
       if (!member.here) send(from, Channel::Words, kNothing);
       return;
     case Cipher::Kind::Packet:

@@ -16,21 +16,20 @@
 
 namespace tandem::room {
 
-/// What is in a sealed packet, its first byte.
+/// First byte of a sealed packet.
 enum class Channel : std::uint8_t {
-  Newest = 0,    ///< of the sharing, may be lost
-  Reliable = 1,  ///< of the sharing
-  Words = 2,     ///< JSON: who is away, what was made, how to meet directly
-  Digest = 3,    ///< where the sender's bodies are, to be compared
-  Hand = 4,      ///< where the sender's hand is: f32 anchor and attachment, and the body's name.
-                 ///< Pages in headsets say head and hands (tools/room/README.md)
+  Newest = 0,    ///< sharing, may be lost
+  Reliable = 1,  ///< sharing
+  Words = 2,     ///< JSON: absence, made bodies, signalling for direct connections
+  Digest = 3,    ///< positions of the sender's bodies, for comparison
+  Hand = 4,  ///< the sender's hand: f32 anchor and attachment, and the body's name. Headsets send
+             ///< head and hands (tools/room/README.md)
 };
 
-/// Members of a room as a transport between peers, by way of the room's server.
+/// Members of a room as a transport between peers, through the room's server.
 /// @par Thread safety  One object: one thread at a time.
 class RoomTransport final : public consensus::Transport {
  public:
-  /// A member's own words.
   struct Heard {
     MemberId from = 0;
     Channel channel = Channel::Words;
@@ -49,16 +48,16 @@ class RoomTransport final : public consensus::Transport {
   void drop(consensus::PeerId peer, const std::string& reason) override;
   std::vector<consensus::PeerStatus> peers() const override;
 
-  /// Takes in what has come; before each step.
+  /// Processes received messages; call before each step.
   void poll();
   bool send(MemberId to, Channel channel, std::span<const std::uint8_t> bytes);
-  /// Words and digests since the last call, appended.
+  /// Appends words and digests since the last call.
   void take(std::vector<Heard>& out);
-  /// Who has come since the last call, appended.
+  /// Appends newcomers since the last call.
   void take_newcomers(std::vector<MemberId>& out);
-  /// A member is there and takes no part.
+  /// A member is present without taking part.
   void set_away(MemberId id, bool away);
-  /// Session time, ns, as the server has it; nullopt before the server has said so.
+  /// Session time of the server, ns; nullopt before its first answer.
   std::optional<consensus::SessionTime> now() const;
   bool connected() const { return link_.connected(); }
   std::size_t members() const;
@@ -68,7 +67,7 @@ class RoomTransport final : public consensus::Transport {
   struct Member {
     bool here = false;
     bool away = false;
-    bool dropped = false;  ///< what it sends cannot be understood
+    bool dropped = false;  ///< sends invalid messages
     std::string reason;
   };
 

@@ -38,7 +38,7 @@ constexpr std::string_view kUsage =
     "program\n"
     "                      has never seen it\n";
 
-/// The folder of the page that is installed with this program; empty where there is none.
+/// The installed folder of the page; empty if there is none.
 std::string installed_page() {
   std::error_code none;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", none);
@@ -47,7 +47,7 @@ std::string installed_page() {
   return page.string();
 }
 
-/// Drawn for the link and not kept.
+/// A key for the link, which is not stored.
 std::string random_key() {
   if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
   std::array<unsigned char, 32> key{};

@@ -16,9 +16,9 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Error = boost::system::error_code;
 
-constexpr std::chrono::seconds kIdle{15};      // with a member that is gone
-constexpr std::chrono::seconds kHandshake{3};  // at the beginning and at the end, and to join
-constexpr int kSocketBytes = 128 * 1024;       // what waits in the system is old when it is read
+constexpr std::chrono::seconds kIdle{15};      // for a member that is gone
+constexpr std::chrono::seconds kHandshake{3};  // for opening, closing and joining
+constexpr int kSocketBytes = 128 * 1024;       // data queued in the system is old when it is read
 
 }  // namespace
 

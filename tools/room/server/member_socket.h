@@ -21,28 +21,28 @@ namespace tandem::room {
 class MemberSocket;
 using Message = std::shared_ptr<const std::vector<std::uint8_t>>;
 
-/// What one member may send, and how much may wait for him.
+/// Limits of one member's traffic and queue.
 struct MemberLimits {
   double messages_per_s = 3000.0;
   double bytes_per_s = 6e6;
-  std::size_t queue_bytes = 1 << 20;     ///< beyond, what is newest is dropped, oldest first
-  std::size_t reliable_bytes = 4 << 20;  ///< beyond, he is cut off
+  std::size_t queue_bytes = 1 << 20;     ///< above it losable messages are dropped, oldest first
+  std::size_t reliable_bytes = 4 << 20;  ///< above it the member is disconnected
 };
 
-/// What a socket tells; on the thread that it runs on.
+/// Callbacks of a socket, on its thread.
 class MemberHost {
  public:
   virtual ~MemberHost() = default;
-  /// False: there is one of that id, or the room is full.
+  /// False if the id is taken, or the room is full.
   virtual bool join(MemberSocket& socket, std::uint64_t id) = 0;
-  /// @param message  as it goes out, with the sender's id     @param to  0: all others
+  /// @param message  as sent, with the sender's id     @param to  0: all others
   virtual void relay(MemberSocket& socket, std::uint64_t to, Message message, bool reliable) = 0;
   virtual std::int64_t now() const = 0;  ///< ns since 1970
   virtual void dropped() = 0;
   virtual void gone(MemberSocket& socket) = 0;
 };
 
-/// One member's WebSocket. It is cut off where it says what it must not, or too much.
+/// One member's WebSocket. Violations of protocol or limits disconnect it.
 /// @par Thread safety  One object: the thread of its socket.
 class MemberSocket : public std::enable_shared_from_this<MemberSocket> {
  public:
@@ -65,7 +65,7 @@ class MemberSocket : public std::enable_shared_from_this<MemberSocket> {
   };
 
   void read();
-  /// False where it is to be cut off.
+  /// False to disconnect.
   bool hear(std::span<const std::uint8_t> bytes);
   void write();
   void end(boost::beast::websocket::close_code code);

@@ -13,11 +13,10 @@ struct PageFile {
   std::string bytes;  ///< compressed by gzip
 };
 
-/// The page's files by name, "" for index.html, as they were when this was made: no request reaches
-/// the disk.
+/// The page's files by name, "" for index.html, read at construction: no request reaches the disk.
 class PageFiles {
  public:
-  /// Each NAME.gz of a folder. @throws std::runtime_error where there is no index.html.gz
+  /// Each NAME.gz of a folder. @throws std::runtime_error if there is no index.html.gz
   explicit PageFiles(const std::string& folder);
   /// For tests. @pre types are known
   explicit PageFiles(const std::map<std::string, std::string>& files);

@@ -19,7 +19,7 @@ using page_server::File;
 using page_server::Place;
 using page_server::UpgradeRequest;
 
-/// For people who have lost part of the link.
+/// For visitors with an incomplete link.
 constexpr std::string_view kHelp =
     "<p>Somebody has a room here that one enters by a link, which has secrets in it.</p>"
     "<p>Open the whole link as it was sent to you, up to the last letter after <code>#</code>. "
@@ -42,7 +42,7 @@ page_server::Options web_options(const ServerOptions& options) {
 
 }  // namespace
 
-/// All private methods run on the server's thread.
+/// Private methods run on the server's thread.
 class RoomServer::Impl final : public MemberHost, public page_server::Site {
  public:
   Impl(const ServerOptions& options, PageFiles files)
@@ -92,7 +92,7 @@ class RoomServer::Impl final : public MemberHost, public page_server::Site {
   void end() override {
     for (const auto& [raw, kept] : std::map(sockets_)) raw->close();
   }
-  /// What comes after the slash; "" where there is none.
+  /// The part after the slash; "" if there is none.
   static std::string_view room_of(std::string_view path) {
     return path.substr(0, 1) == "/" ? path.substr(1) : std::string_view();
   }
@@ -164,7 +164,7 @@ class RoomServer::Impl final : public MemberHost, public page_server::Site {
   PageFiles files_;
   std::map<std::string, Room, std::less<>> rooms_;
   page_server::PageServer web_;
-  std::map<MemberSocket*, Kept> sockets_;  // after the server, whose thread is theirs
+  std::map<MemberSocket*, Kept> sockets_;  // destroyed before the server, whose thread uses them
   std::chrono::steady_clock::time_point steady_ = std::chrono::steady_clock::now();
   std::int64_t begin_ = std::chrono::duration_cast<std::chrono::nanoseconds>(
                             std::chrono::system_clock::now().time_since_epoch())

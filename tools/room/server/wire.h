@@ -9,15 +9,15 @@
 
 namespace tandem::room {
 
-/// What a room's server and its members say over their WebSocket: binary messages, little-endian,
-/// each beginning with its kind (tools/room/README.md).
+/// Messages between a room's server and its members over their WebSocket: binary, little-endian,
+/// each begins with its kind (tools/room/README.md).
 enum class Wire : std::uint8_t {
   // From a member:
-  Join = 1,  ///< u64 its id; first
-  // Both ways, sealed: u64 to whom (0: all others), from the server of whom
-  Newest = 2,    ///< may be dropped where a member is slow
+  Join = 1,  ///< u64 its id; comes first
+  // Both ways, sealed: u64 receiver (0: all others), from the server u64 sender
+  Newest = 2,    ///< may be dropped for a slow member
   Reliable = 3,  ///< never
-  Time = 4,      ///< f64 of the member's own; back come that and i64 the server's, ns since 1970
+  Time = 4,      ///< f64 member's time; the answer has it and i64 the server's, ns since 1970
   // From the server:
   Welcome = 5,  ///< u64 ids of all others
   Came = 6,     ///< u64
