@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""What a step takes of each rank of tandem-cluster, as if each had a processor of its own.
+"""Step time of each rank of tandem-cluster, as if each had its own processor.
 
-A run under mpirun on fewer processors than ranks shares caches and clocks among them. So that run
-only records what each rank is told; then each rank runs again by itself, --repeats times, and of each
-step the least time counts. The undivided world is one rank, measured alike, in between.
+Under mpirun with fewer processors than ranks, ranks share caches and clocks. So that run only records each rank's
+input; then each rank is replayed alone, --repeats times, and each step counts with its least time. The undivided world
+is one rank, measured in the same way in between.
 
     benchmarks/cluster.py build/release/bin --scene cliff --ranks 4 8
     benchmarks/cluster.py build/release/bin --scene heap --per-rank 1000 --ranks 4 16 64
@@ -27,7 +27,7 @@ def arguments_of(options, size):
 
 
 def record(options, ranks, size, prefix):
-    """Runs all ranks together. Returns what rank 0 tells."""
+    """Runs all ranks together. Returns rank 0's output."""
     program = [str(options.binaries / "tandem-cluster"), *arguments_of(options, size)]
     environment = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1")
     out = subprocess.run([*MPIRUN, "-n", str(ranks), *program, "--record", prefix],
@@ -50,7 +50,7 @@ def least(runs):
 
 
 def measure(options, ranks, size, folder):
-    """The least time of each step, by rank, and what the run told."""
+    """The least time of each step, by rank, and the run's output."""
     prefix = str(Path(folder) / f"{options.scene}_{size}_{ranks}")
     told = record(options, ranks, size, prefix)
     steps = []
@@ -76,7 +76,7 @@ def main():
     parser.add_argument("--ranks", type=int, nargs="+", default=[4])
     parser.add_argument("--seconds", type=float, default=6.0)
     parser.add_argument("--repeats", type=int, default=3)
-    # What it does not know is for tandem-cluster.
+    # Unknown options are passed to tandem-cluster.
     options, options.more = parser.parse_known_args()
     with tempfile.TemporaryDirectory() as folder:
         whole, _ = measure(options, 1, options.per_rank or options.size, folder)

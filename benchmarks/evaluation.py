@@ -1,16 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Runs the five scenarios over networks and seeds, and writes tables, figures and docs/evaluation.md
-with the long tables beside it.
+"""Runs the five scenarios over networks and seeds, and writes docs/evaluation.md.
 
     benchmarks/evaluation.py build/release/bin results            everything
     benchmarks/evaluation.py build/release/bin results --quick    two seeds
-    benchmarks/evaluation.py build/release/bin results --report   from what is there
-    benchmarks/evaluation.py build/release/bin results --recorded   recorded hands alone, that section
+    benchmarks/evaluation.py build/release/bin results --report   from existing results
+    benchmarks/evaluation.py build/release/bin results --recorded   only the section on recorded hands
 
-Cells that are finished are kept, so that a matrix that was broken off goes on; a program that is
-newer than a cell runs it again.
+Writes tables and figures too, with the long tables beside the page. Finished cells are kept, so that an interrupted
+matrix continues; a cell older than its program runs again.
 """
 import argparse
 import os
@@ -24,7 +23,7 @@ sys.path[:0] = [str(HERE), str(HERE / "evaluation")]
 try:
     import matplotlib, scour  # noqa: E401, F401
 except ImportError:
-    # Another Python of this machine may be able to draw.
+    # Another Python of this machine may have matplotlib.
     if sys.executable != "/usr/bin/python3" and Path("/usr/bin/python3").exists():
         os.execv("/usr/bin/python3", ["/usr/bin/python3", *sys.argv])
 

@@ -16,7 +16,7 @@ out=$2
 shift 2
 export PYTHONDONTWRITEBYTECODE=1
 
-# The first Python that can draw; without one there are no plots.
+# The first Python with matplotlib; without one there are no plots.
 python=python3
 for candidate in python3 /usr/bin/python3; do
   if "$candidate" -c 'import matplotlib, scour' 2>/dev/null; then
@@ -26,13 +26,13 @@ for candidate in python3 /usr/bin/python3; do
 done
 
 mkdir -p "$out"
-# Exit code 1 says that a bound does not hold; that belongs into the report.
+# Exit code 1 means a failed bound, which belongs in the report.
 "$binaries/numerics" --csv "$out/numerics.csv" >"$out/numerics.txt" || [[ $? -eq 1 ]]
 tail -n 1 "$out/numerics.txt"
 "$binaries/everyday" --json "$out/everyday.json" >"$out/everyday.txt" 2>"$out/everyday.log" || [[ $? -eq 1 ]]
 tail -n 1 "$out/everyday.log"
 for engine in bullet64 jolt box3d physx_pgs physx_tgs; do
-  # An engine that this build has not is refused.
+  # An engine that this build lacks is refused.
   "$binaries/everyday" --engine $engine --json "$out/everyday_$engine.json" >"$out/everyday_$engine.txt" \
     2>"$out/everyday_$engine.log" || rm -f "$out/everyday_$engine.json"
 done

@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Sessions over UDP between separate processes, through a proxy that is a bad network, beside the same
-sessions in virtual time. Writes network.csv, docs/network-measurements.md and the rows in its folder.
+"""Sessions over UDP between processes, through a bad network, beside the same in virtual time.
 
     benchmarks/network.py build/release/bin results            three seeds
-    benchmarks/network.py build/release/bin results --report   from what is there
+    benchmarks/network.py build/release/bin results --report   from existing results
 
-Runs in wall time: a machine that is busy with something else changes the result. Runs that are there
-are kept; a program that is newer than its run runs again.
+A proxy is the bad network. Writes network.csv, docs/network-measurements.md and the rows in its folder. Runs in wall
+time: other load on the machine changes the result. Existing runs are kept; a run older than its program runs again.
 """
 import argparse
 import sys

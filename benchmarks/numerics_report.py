@@ -6,7 +6,7 @@
     benchmarks/measure.sh build/release/bin results          measures, then runs this
     python3 benchmarks/numerics_report.py results            this alone
 
-Where the folder of results lacks the files of a section, the page keeps what it has of it.
+A section without files in the folder of results is kept.
 """
 import argparse
 import csv
@@ -26,7 +26,7 @@ import pages
 import results as runs
 import table as peer_table
 
-# What the table of default settings shows: (measure, factor, heading).
+# Columns of the table of default settings: (measure, factor, heading).
 DEFAULTS = {
     "stacks": [("drift_end", 1e3, "drift, mm"), ("penetration_mean_end", 1e3, "overlap, mm")],
     "chain": [("separation_max", 1e3, "separation, mm"), ("ball_error_max", 1, "ball error, m"),
@@ -49,8 +49,8 @@ SCENES = {
     "katamari": "900 cubes under one of 53 times their mass",
     "heap": "8000 boxes between walls",
 }
-FLOOR = 1e-6  # mm or m; smaller errors are not told apart
-# Neither more nor less of these is better.
+FLOOR = 1e-6  # mm or m; smaller errors are not distinguished
+# Measures without a better direction.
 NEUTRAL = ("mean_z", "touching_pairs")
 
 
@@ -88,7 +88,7 @@ def read_csv(path):
 
 
 def numerics_lines(rows):
-    """One line for each case and measure, the engines beside each other."""
+    """One line per case and measure, the engines beside each other."""
     table = {}
     missing = {}
     for row in rows:
@@ -120,7 +120,7 @@ def numerics_lines(rows):
 
 
 def errors(peers):
-    """Each scene with the measure it is drawn by: our point, the others', the measure, its factor and name."""
+    """Each scene with its plotted measure: our point, the others', the measure, its factor and name."""
     for scene in SCENES:
         ours = runs.default_of(peers, "tandem", scene)
         others = [p for p in (runs.default_of(peers, e, scene) for e in runs.NAMES if e != "tandem") if p]
@@ -167,7 +167,7 @@ def findings(peers, rows, bounds, results):
 
 
 def worse_lines(points, rows, peers, bounds):
-    """Everything in these files at which Tandem comes off worse, but times."""
+    """All measures but times in which Tandem is worse."""
     lines = []
     for scene in DEFAULTS:
         ours = runs.default_of(peers, "tandem", scene)
@@ -197,7 +197,7 @@ def worse_lines(points, rows, peers, bounds):
 
 
 def peer_lines(points, machine):
-    """All engines beside each other. What each of them runs with: benchmarks/peers/README.md."""
+    """All engines beside each other. Their settings: benchmarks/peers/README.md."""
     versions = f"{machine['peers']}. " if "peers" in machine else ""
     heap = runs.default_of(points, "tandem", "heap")
     repeats = max(len(p.times) for p in points)
@@ -211,7 +211,7 @@ def peer_lines(points, machine):
 
 
 def wrapped(lines):
-    """Paragraphs and items of lists in lines of up to 120 columns; all else as it is."""
+    """Wraps paragraphs and list items at 120 columns; all else is kept."""
     text = ""
     for line in [*lines, ""]:
         ends = not line or line[0] in "|!#@" or line.startswith("- ")
@@ -239,11 +239,11 @@ def kernel_lines(path):
 
 
 def compared(results):
-    """What stands before the first section, and the sections that compare engines over seven scenes."""
+    """The text before the first section, and the sections that compare engines over seven scenes."""
     points = runs.read(results / "work_precision.csv")
     rows = read_csv(results / "numerics.csv")
     machine = json.loads((results / "machine.json").read_text())
-    # Measured here where the build had them, else on the day when they were measured last.
+    # Measured here if the build has them, otherwise on the day of the last measurement.
     peers, peers_machine = points, machine
     if not any(p.engine in runs.PEERS for p in points):
         peers = runs.read(HERE / "data" / "peers.csv")

@@ -5,14 +5,13 @@
 
     benchmarks/one_pass_vs_two_step.py build/release/bin results            everything
     benchmarks/one_pass_vs_two_step.py build/release/bin results --quick    two seeds, fewer cells
-    benchmarks/one_pass_vs_two_step.py build/release/bin results --report   from what is there
+    benchmarks/one_pass_vs_two_step.py build/release/bin results --report   from existing results
     benchmarks/one_pass_vs_two_step.py build/release/bin results --sections couplings stability
 
-A section is a module in one_pass_vs_two_step/ with two functions: measure(binaries, results, seeds,
-jobs, quick) writes tables into the folder of results; report(results, docs) turns them into a section of
-text and writes its long tables as CSV beside the page. The first paragraph of a section is its finding,
-which the page shows at its head. Where the folder has no results of a section, the page keeps its text of
-it.
+A section is a module in one_pass_vs_two_step/ with two functions: measure(binaries, results, seeds, jobs, quick) writes
+tables into the folder of results; report(results, docs) returns a section of text and writes its long tables as CSV
+beside the page. A section's first paragraph is its finding, which the page shows at its head. A section without results
+is kept.
 """
 import argparse
 import importlib
@@ -42,7 +41,7 @@ way at profiles 1 to 5. All schemes get the same scenes, links, seeds and record
 seeds, intervals are of 95 %. Differences below 0.1 mm count as equal. Compare processor times within one table only. \
 `benchmarks/one_pass_vs_two_step.py build/release/bin RESULTS` writes this page: edit the program.
 """
-STATE = "**State.**"  # begins the paragraph on which code was measured
+STATE = "**State.**"  # begins the paragraph on the measured code
 
 
 def anchor(heading):
@@ -57,7 +56,7 @@ def lifted(text):
 
 
 def findings_before(page):
-    """The list at the head of the page as it is, by the section that each line leads to."""
+    """The present list at the head of the page, by the section of each line."""
     found = {}
     for line in re.split(r"^(?=- )", page.get("## Findings", ""), flags=re.MULTILINE)[1:]:
         if link := re.search(r"\]\(#([^)]*)\)", line):

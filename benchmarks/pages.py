@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""How pages of measurements are written: long tables lie beside the page as CSV."""
+"""Writes pages of measurements: long tables go beside the page as CSV."""
 import csv
 import re
 import textwrap
 from pathlib import Path
 
-MOST_ROWS = 24  # of a table within a page
+MOST_ROWS = 24  # per table within a page
 WIDTH = 120     # columns of prose
 
 
@@ -24,7 +24,7 @@ def table(head, lines):
 
 
 def aside(page, name, lines):
-    """Write a Markdown table as CSV into the page's folder. Returns the target of a link to it."""
+    """Writes a Markdown table as CSV into the page's folder. Returns the target of a link to it."""
     page = Path(page)
     file = page.with_suffix("") / f"{name}.csv"
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -35,7 +35,7 @@ def aside(page, name, lines):
 
 
 def wrapped(text):
-    """Prose at WIDTH columns; headings, tables and pictures stay as they are."""
+    """Wraps prose at WIDTH columns; headings, tables and pictures are kept."""
     out = []
     for line in text.split("\n"):
         if len(line) <= WIDTH or line.startswith(("|", "#", "![")):
@@ -47,17 +47,16 @@ def wrapped(text):
 
 
 def sections(path):
-    """Text of each section of a page, by its first line; what stands before the first by ""."""
+    """Text of each section of a page, by its first line; the text before the first has the key ""."""
     path = Path(path)
     parts = re.split(r"^(?=## )", path.read_text() if path.exists() else "", flags=re.MULTILINE)
     return {"": parts[0]} | {part.split("\n", 1)[0]: part for part in parts[1:]}
 
 
 def write(path, text):
-    """Write a page. Tables of more than MOST_ROWS rows become files in a folder of the page's name,
-    called after the heading that they stand under; the page links to them. So does every table under a line
-    "@csv NAME TITLE", by that name and in a line of a list. Files that `text` links to already, since it was kept from
-    the last time, stay as they are."""
+    """Writes a page. Tables of more than MOST_ROWS rows become files in a folder of the page's name, named after their
+    heading; the page links to them. So does every table under a line "@csv NAME TITLE", by that name and as a list
+    item. Files that `text` already links to, in sections that were kept, stay."""
     path = Path(path)
     folder = path.with_suffix("")
     kept = set(re.findall(rf"\({re.escape(folder.name)}/([^)]*\.csv)\)", text))

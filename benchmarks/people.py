@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""What many people cost over NATS (docs/scale.md): runs bin/plaza with servers of its own on loopback.
+"""Cost of many people over NATS (docs/scale.md): runs bin/plaza with its own servers on loopback.
 
   benchmarks/people.py BIN people    100, 300 and 1000 people at constant density, interleaved; --direct of plaza
   benchmarks/people.py BIN udp       the same eight people over UDP and NATS, by seed
-  benchmarks/people.py BIN restart   a server that is killed and started again in the middle
+  benchmarks/people.py BIN restart   a server that is killed and restarted midway
 
-BIN is the folder of a build with -DTANDEM_WITH_NATS=ON. Costs are processor time (user and system) and bytes for each
-person and second of the session, of the one process that has all people; the server's are apart. No wall clock.
+BIN is the folder of a build with -DTANDEM_WITH_NATS=ON. Costs are processor time (user and system) and bytes per person
+and second of session time, of the one process with all people; the server's are separate. No wall clock.
 """
 import argparse
 import contextlib
@@ -74,7 +74,7 @@ def people(binary, args):
             with Server() as server:
                 run = plaza(binary, server, "--people", count, "--density", 20, "--seconds", args.seconds, "--seed",
                             round_ + 1, "--direct", args.direct)
-                # Of the whole run, settling included.
+                # Over the whole run, including warm-up.
                 run["server"] = 1e3 * server.cpu() / count / (args.seconds + 3.0)
             runs.setdefault(count, []).append(run)
             print(json.dumps(run), flush=True)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Prediction with rollback beside agreement and single owners (docs/rollback.md): runs bin/rollback over scenes,
+"""Prediction with rollback compared with agreement and single owners (docs/rollback.md): runs bin/rollback over scenes,
 networks, people and seeds.
 
-  benchmarks/rollback.py BIN run     benchmarks/data/rollback.csv, a line for each run
+  benchmarks/rollback.py BIN run     benchmarks/data/rollback.csv, a line per run
   benchmarks/rollback.py BIN tables  means over seeds, in docs/rollback/*.csv and here; the page shows some of them
 
-BIN is the folder of a build. Processor time is of what else the machine does as well: compare it within one run.
+BIN is the folder of a build. Processor time depends on other load on the machine: compare it within one run.
 """
 import argparse
 import concurrent.futures
@@ -27,11 +27,11 @@ LONG = ["cubes", "room", "piano", "tennis"]
 
 
 def cells():
-    """Options of each."""
+    """Options of each run."""
     for scene in LONG:
         for profile in range(1, 6):
             yield {"scene": scene, "profile": profile}
-    # Its springs are inputs, which all know with rollback; with agreement only in this variant.
+    # Its springs are inputs, which rollback sends to all; agreement does so only in this variant.
     for profile in 3, 5:
         yield {"scene": "piano", "variant": "soft", "profile": profile}
     for scene in "cliff", "pile":
@@ -43,7 +43,7 @@ def cells():
         yield {"scene": scene, "profile": 3, "people": 3, "network": "wifi"}
         yield {"scene": scene, "profile": 3, "case": "differ"}
         yield {"scene": scene, "profile": 3, "people": 3, "case": "late"}
-    # With 5 frames in each packet a gap would remain now and then.
+    # With 5 frames per packet an occasional gap would remain.
     yield {"scene": "cubes", "profile": 5, "people": 3, "loss": 0.1, "redundancy": 10}
     yield {"scene": "cubes", "profile": 5, "people": 3, "case": "late"}
 
@@ -74,7 +74,7 @@ def mean(rows, column):
 
 
 def table(file, name, keys, columns, rows):
-    """A line for each of `keys` (what the columns of the CSV must be), means over seeds: printed, and as CSV."""
+    """A line per each of `keys` (required values of the CSV's columns), means over seeds: printed, and as CSV."""
     lines = []
     for label, key in keys.items():
         cell = [[row for row in rows if row["way"] == way and all(row[c] == v for c, v in key.items())]

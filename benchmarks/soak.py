@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""A mesh of tandem-peer processes on this machine that fidget for a long time.
+"""A mesh of tandem-peer processes on this machine whose users fidget for a long time.
 
     benchmarks/soak.py build/release/bin                               8 peers, 10 minutes
     benchmarks/soak.py build/release/bin --minutes 2 --profile 3 --loss 0.05
 
-With --profile or --loss all ways go through a proxy. What must hold: all peers stay connected,
-memory does not grow after the first fifth, descriptors stay as many, divergence stays below a
-bound, no world breaks, nobody ends before it is told to. Exits with 1 where something does not.
+With --profile or --loss all links go through a proxy. Requirements: all peers stay connected, memory does not grow
+after the first fifth, the number of descriptors is constant, divergence stays below a bound, no world breaks, no
+process ends early. Exits with 1 if one fails.
 """
 import argparse
 import contextlib
@@ -45,7 +45,7 @@ class Peer:
     number: int
     process: subprocess.Popen
     metrics: int
-    # Each look: (s since the start, MiB, descriptors, connected peers, m, CPU s).
+    # Each sample: (s since the start, MiB, descriptors, connected peers, m, CPU s).
     looks: list = field(default_factory=list)
     page: str = ""
 
@@ -70,7 +70,7 @@ class Peer:
 
 
 def free_ports(count, kind):
-    """Held open together, so that no two are the same."""
+    """All open at once, so that no two are the same."""
     with contextlib.ExitStack() as stack:
         ports = []
         for _ in range(count):
@@ -81,7 +81,7 @@ def free_ports(count, kind):
 
 
 def start_proxy(args, ports):
-    """One entrance for each peer that is dialled."""
+    """One entrance per peer that is dialled."""
     command = [args.binaries / "proxy", "--profile", str(args.profile), "--loss", f"{args.loss:g}",
                "--seed", str(args.seed)]
     proxy = subprocess.Popen(command + [f"0=127.0.0.1:{port}" for port in ports],
@@ -115,7 +115,7 @@ def start_peers(args, folder, stack):
 
 
 def run(args, folder):
-    """Returns the peers with what was seen of them, and how they ended."""
+    """Returns the peers with their samples, and how they ended."""
     with contextlib.ExitStack() as stack:
         peers = start_peers(args, folder, stack)
         start = time.monotonic()
@@ -138,7 +138,7 @@ def judge(args, peers, ends):
     warm = 60 * args.minutes / 5
     after = {peer.number: [look for look in peer.looks if look[0] >= warm] for peer in peers}
     everyone = [look for looks in after.values() for look in looks]
-    # The least of a window: what is freed a moment later is no leak.
+    # The minimum of a window: short-lived memory is not a leak.
     growth, first, last = -1e9, 0.0, 0.0
     for looks in after.values():
         part = max(1, len(looks) // 5)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What a step costs, stage by stage, with more and more in the scene: from bodies alone to
-// everything at once. A hundred bodies; the fastest of several runs, in microseconds, and below it
-// what the step ran and what it left out. A stage without a number did not run.
+// Cost of a step by stage, from bodies alone to everything at once. A hundred bodies; the fastest
+// of several runs, in microseconds, and below it the stages that ran and that were skipped. A stage
+// without a number did not run.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -25,7 +25,7 @@ constexpr int kWarmUp = 120;
 constexpr int kSteps = 120;
 constexpr int kRuns = 5;
 
-/// Asks every body to stay where it started, as a remote peer in perfect agreement does.
+/// Targets every body's start, as from a remote peer in perfect agreement.
 class HoldAll final : public pbd::TargetSource {
  public:
   explicit HoldAll(double share) : share_(share) {}
@@ -48,7 +48,7 @@ class HoldAll final : public pbd::TargetSource {
 struct Case {
   const char* name;
   bool contacts = false;
-  bool cubes = true;  ///< else spheres, flung about: cubes stand in stacks
+  bool cubes = true;  ///< otherwise scattered spheres: cubes stand in stacks
   double friction = 0.0;
   double restitution = 0.0;
   bool spin = false;
@@ -140,7 +140,7 @@ int main() {
        .joints = true,
        .share = 0.08},
   };
-  // Interleaved, so that a drift of the machine's speed meets all cases alike.
+  // Interleaved, so that a drift of the machine's speed affects all cases.
   std::vector<std::vector<Cost>> runs(cases.size());
   for (int r = 0; r < kRuns; ++r) {
     for (std::size_t i = 0; i < cases.size(); ++i) runs[i].push_back(run(cases[i]));

@@ -11,13 +11,13 @@ from scour import scour
 
 matplotlib.use("Agg")
 matplotlib.rcParams["svg.hashsalt"] = "tandem"
-matplotlib.rcParams["svg.fonttype"] = "none"  # letters, not their outlines
-matplotlib.rcParams["font.sans-serif"] = ["DejaVu Sans", "Verdana"]  # what browsers may have
+matplotlib.rcParams["svg.fonttype"] = "none"  # text instead of outlines
+matplotlib.rcParams["font.sans-serif"] = ["DejaVu Sans", "Verdana"]  # fonts of common browsers
 matplotlib.rcParams["path.simplify_threshold"] = 0.5
 import matplotlib.pyplot as plt  # noqa: E402
 
 _SMALL = scour.sanitizeOptions()
-_SMALL.style_to_xml = False  # SVG has no attribute "font": browsers would draw all text in their own size
+_SMALL.style_to_xml = False  # SVG has no attribute "font": browsers would use their own size
 _SMALL.digits = _SMALL.cdigits = 4
 _SMALL.strip_ids = _SMALL.shorten_ids = _SMALL.group_create = _SMALL.remove_metadata = True
 _SMALL.indent_type, _SMALL.newlines, _SMALL.quiet = "none", False, True
@@ -26,7 +26,7 @@ _NUMBER = re.compile(r"-?\d+\.\d{2,}")
 
 
 def save_svg(figure, path):
-    """Write a figure, its coordinates rounded to a tenth of a point."""
+    """Writes a figure, its coordinates rounded to a tenth of a point."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     text = io.StringIO()
@@ -37,13 +37,13 @@ def save_svg(figure, path):
         return f"{float(match[0]):.1f}".removesuffix(".0")
 
     lines = text.getvalue().split("\n")
-    # Only what draws: headers name a version of XML, and of matplotlib.
+    # Only drawing commands: headers contain versions of XML and matplotlib.
     body = [line if line.startswith("<?xml") or "<dc:" in line else _NUMBER.sub(rounded, line)
             for line in lines]
     path.write_text(scour.scourString("\n".join(body), _SMALL))
 
 
 def on_page(drawn, docs, caption):
-    """The page's line for a figure that has been drawn."""
+    """The page's line for a drawn figure."""
     shutil.copyfile(drawn, docs / drawn.name)
     return f"![{caption}]({drawn.name})"

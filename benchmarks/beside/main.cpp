@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What the second of four peers costs the others by a bad network, or a bad machine, for 6 s.
+// Cost to the other peers if the second of four has a bad network, or a bad machine, for 6 s.
 #include <cstdio>
 #include <string>
 #include <string_view>

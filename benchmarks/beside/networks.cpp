@@ -20,12 +20,12 @@ namespace {
 
 using consensus::SessionTime;
 
-constexpr std::size_t kHis = demos::DemoOptions::kOnNetwork - 1;  ///< of the peers
+constexpr std::size_t kHis = demos::DemoOptions::kOnNetwork - 1;  ///< of the troubled peer
 constexpr double kNear = 1e-3;                                    ///< m
 
 SessionTime at(double seconds) { return demos::kVirtualStart + std::llround(1e9 * seconds); }
 
-/// Of the others, and of what is asked of a bad machine in the time of its trouble.
+/// Trouble of the machine, applied during the bad time.
 using Machine = std::function<void(demos::Actor& his, SessionTime now)>;
 
 struct Trouble {
@@ -79,7 +79,7 @@ std::vector<demos::PeerRecord> run(const std::string& scene, std::uint64_t seed,
   return records;
 }
 
-/// m: how far a copy is from the others' at its own time.
+/// m: distance of a copy from the others' at its own time.
 double off(std::span<const demos::PeerRecord> records, std::size_t body,
            const demos::TrackSample& copy) {
   double most = 0.0;
@@ -91,7 +91,7 @@ double off(std::span<const demos::PeerRecord> records, std::size_t body,
   return most;
 }
 
-/// m: the most that a copy of his is moved in a step beyond its velocity and what it was off.
+/// m: largest shift of the troubled peer's copies in a step, beyond velocity and previous error.
 double leap(std::span<const demos::PeerRecord> records) {
   double most = 0.0;
   const demos::PeerRecord& his = records[kHis];
@@ -111,9 +111,10 @@ double leap(std::span<const demos::PeerRecord> records) {
   return most;
 }
 
-/// Whether his hand was on a body so late that the others may have heard of it at different times.
+/// True if its hand held a body so recently that the others may have heard of it at different
+/// times.
 bool held_lately(const demos::Track& his, SessionTime time) {
-  constexpr SessionTime kLate = 2'500'000'000;  // ns: a stall, and until all are together again
+  constexpr SessionTime kLate = 2'500'000'000;  // ns: a stall, and the time until all agree again
   const std::vector<demos::TrackSample>& way = his.samples();
   auto sample = std::upper_bound(way.begin(), way.end(), time,
                                  [](SessionTime t, const auto& s) { return t < s.time; });
@@ -124,7 +125,7 @@ bool held_lately(const demos::Track& his, SessionTime time) {
 }
 
 struct Seen {
-  double moving = 0.0, resting = 0.0;  ///< m, the largest after the trouble
+  double moving = 0.0, resting = 0.0;  ///< m, maximum after the trouble
 };
 
 Troubled judge(std::span<const demos::PeerRecord> records, const Seen* usual, Seen& seen) {
@@ -169,7 +170,7 @@ std::vector<Troubled> troubled(const std::string& scene, std::uint64_t seed) {
     if (out.size() == 1) usual = seen;
     line.scene = scene;
     line.trouble = trouble.name;
-    // It does not end.
+    // Lasting trouble has no time after it.
     if (trouble.hz != 60.0) line.together = line.at_rest = -1.0;
   }
   return out;

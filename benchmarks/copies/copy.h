@@ -9,27 +9,27 @@
 #include "tandem/pbd/joint.h"
 #include "tandem/pbd/world.h"
 
-/// What benchmarks of peers without a demo have in common.
+/// Worlds for benchmarks of peers without a demo.
 namespace tandem::peers_bench {
 
-/// A box, shared or fixed; what is fixed has no body of `Copy::bodies`.
+/// A box, shared or fixed; fixed ones are not in `Copy::bodies`.
 struct BoxBody {
   pbd::BodyId body;
   pbd::Vec3 half;  ///< m
 };
 
-/// One peer's world and what is in it. Everything that moves is shared.
+/// One peer's world and its contents. Everything that moves is shared.
 struct Copy {
   std::unique_ptr<pbd::World> world;
   std::unique_ptr<collision::CollisionScene> contacts;
-  std::vector<pbd::BodyId> bodies;  ///< what moves, in the order in which it was made
-  std::vector<BoxBody> boxes;       ///< what moves and may touch
+  std::vector<pbd::BodyId> bodies;  ///< moving ones, in order of creation
+  std::vector<BoxBody> boxes;       ///< moving ones with contacts
   std::vector<BoxBody> walls;
-  pbd::JointBlock* joints = nullptr;  ///< null where there are none
+  pbd::JointBlock* joints = nullptr;  ///< null if there are none
   std::vector<pbd::JointId> joint_ids;
 };
 
-/// Fills a Copy. Bodies never sleep: what sleeps says nothing of stability.
+/// Fills a Copy. Bodies never sleep: sleep would hide instability.
 class CopyBuilder {
  public:
   CopyBuilder();

@@ -8,9 +8,9 @@ namespace tandem::peers_bench {
 
 /// m, rms over bodies of the distance between two copies of each.
 double apart(const Copy& a, const Copy& b);
-/// m, of the boxes that are deepest in each other or in a wall; 0 where none are.
+/// m, deepest overlap of two boxes or of a box and a wall; 0 without overlap.
 double deepest_overlap(const Copy& copy);
-/// m, the widest open joint; 0 where there is none.
+/// m, largest joint gap; 0 if there is none.
 double widest_joint(const Copy& copy);
 
 }  // namespace tandem::peers_bench

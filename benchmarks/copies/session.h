@@ -21,25 +21,25 @@ using consensus::SessionTime;
 inline constexpr SessionTime kStart = 1'000'000'000;  ///< ns
 
 inline SessionTime ns(double seconds) { return std::llround(1e9 * seconds); }
-/// The name under which peers share their bodies number `index`.
+/// The shared id of body number `index`.
 consensus::SharedId shared_id(std::size_t index);
 
-/// s: of a link whose states are `frames` steps of 1/60 s old when they are heard. A little less,
-/// so that rounding does not make it one more.
+/// s: latency at which states are `frames` steps of 1/60 s old on use. Slightly less, so that
+/// rounding does not add one.
 constexpr double latency_of(int frames) { return frames > 0 ? frames / 60.0 - 1e-6 : 0.0; }
 
-/// How a peer goes through time.
+/// A peer's rate and clock.
 struct Pace {
-  double hz = 60.0;           ///< steps a second
-  double ahead = 0.0;         ///< s, its session clock beside the others'
-  double frozen_from = 0.0;   ///< s since the start; no steps from here
-  double frozen_until = 0.0;  ///< s, to here
+  double hz = 60.0;           ///< steps per second
+  double ahead = 0.0;         ///< s, lead of its session clock
+  double frozen_from = 0.0;   ///< s since the start; beginning of a pause without steps
+  double frozen_until = 0.0;  ///< s, end of the pause
 };
 
 /// One peer with its copy of the scene, all bodies shared.
 class Site {
  public:
-  /// @param owns  this peer says that all bodies are its own
+  /// @param owns  this peer claims all bodies
   Site(Copy made, consensus::Transport& transport, const consensus::PeerOptions& options,
        const Pace& pace = {}, bool owns = false,
        const pbd::SolverOptions& steps = {.measure_stages = false});
@@ -48,17 +48,17 @@ class Site {
   Copy copy;
   pbd::Solver solver;
   consensus::Peer peer;
-  double cpu = 0.0;  ///< s, that steps have taken, exchange and all
-  /// Acts before each step. @param time  s since the start, by the clock on the wall
+  double cpu = 0.0;  ///< s, of all steps, including the exchange
+  /// Acts before each step. @param time  s since the start, wall time
   std::function<void(Site&, double time)> user;
   /// Before and after the solver's step; see consensus::Peer.
   std::function<void(Site&)> begun;
   std::function<void(Site&, const pbd::StepReport&, double dt)> stepped;
 
-  /// Of the peer's own clock, at this time of the wall's.
+  /// The peer's own clock at this wall time.
   SessionTime clock(double time) const { return kStart + ns(time + pace_.ahead); }
 
-  // Of Session: the next event, ends of steps (0) before beginnings (1).
+  // For Session: the next event, ends of steps (0) before beginnings (1).
   std::tuple<SessionTime, int> next() const {
     return inside_ ? std::tuple{at(steps_ + 1), 0} : std::tuple{at(steps_), 1};
   }
@@ -71,7 +71,7 @@ class Site {
 
   Pace pace_;
   std::int64_t steps_ = 0;
-  bool inside_ = false;  ///< the step is computed and waits for its end to come
+  bool inside_ = false;  ///< the step is computed and waits for its end
 };
 
 /// Peers of one process in virtual time.
@@ -83,7 +83,7 @@ class Session {
   consensus::VirtualNetwork network;
   std::vector<std::unique_ptr<Site>> sites;
 
-  /// Until this time, s since the start: steps that end then have ended, none begins.
+  /// Runs up to this time (s since the start), including steps that end then; none begins then.
   void run_until(double time);
 };
 

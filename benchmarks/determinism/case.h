@@ -8,7 +8,7 @@
 
 namespace tandem::determinism {
 
-/// How a case is run; `lanes` may not change a bit.
+/// Settings of a run; `lanes` must not change a bit.
 struct Run {
   int steps = 600;  ///< of 1/60 s
   int lanes = 0;    ///< contact rows solved at once: pbd::ContactOptions
@@ -19,11 +19,10 @@ SceneOptions scene_options(const Run& run);
 
 /// Hinges, sliders and balls with motors, limits and springs, one of which breaks; damped bodies.
 void build_machine(Scene& scene);
-/// Every shape and a compound, dropped on a mesh and on a field of heights.
+/// Every shape and a compound, dropped on a mesh and on a height field.
 void build_shapes(Scene& scene);
 
-/// Three peers at links with jitter and loss, who carry one plate of cubes: the hash of their
-/// worlds.
+/// Hash of three peers' worlds, who carry a plate of cubes over links with jitter and loss.
 std::uint64_t run_session(const Run& run);
 
 }  // namespace tandem::determinism

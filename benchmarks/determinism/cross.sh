@@ -3,9 +3,9 @@
 # Copyright (c) 2026 The Tandem authors
 #
 # Builds pbd, collision and the program `determinism` for another processor, system or standard library, runs it, on an
-# emulator where it must, and prints its lines: table.sh --cross compares them with those of the compilers here.
-#   benchmarks/determinism/cross.sh aarch64-linux|x86_64-windows|libcxx [what determinism takes: scenes, --steps N]
-# Needs what cmake/install-deps.sh --with-cross installs.
+# emulator if necessary, and prints its lines: table.sh --cross compares them with those of the local compilers.
+#   benchmarks/determinism/cross.sh aarch64-linux|x86_64-windows|libcxx [arguments of determinism: scenes, --steps N]
+# Needs the packages of cmake/install-deps.sh --with-cross.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 root=$PWD
@@ -18,7 +18,7 @@ case $target in
   libcxx) preset=libcxx emulator=() suffix='' ;;
   *) echo "cross.sh: aarch64-linux, x86_64-windows or libcxx, not '$target'" >&2; exit 2 ;;
 esac
-# Wine's files lie here and not in the home folder; of the 32 bit half that it misses it says nothing.
+# Wine's files go here instead of the home folder; silence about its missing 32 bit half.
 export WINEPREFIX=$root/build/wine WINEDEBUG=-all
 mkdir -p "$WINEPREFIX"
 

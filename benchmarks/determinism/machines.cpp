@@ -34,7 +34,7 @@ collision::Shape waves(double from) {
   return collision::TriangleMesh::make(vertices, triangles);
 }
 
-/// The same as a field of heights, in its own frame, as is its corner.
+/// The same as a height field, in its own frame from its corner.
 collision::Shape field() {
   constexpr std::uint32_t kPosts = 25;
   std::vector<double> heights;
@@ -101,7 +101,7 @@ void build_shapes(Scene& scene) {
                                              Cone{0.25, 0.3},     hull()};
   bench::SceneRandom random;
   for (int i = 0; i < 84; ++i) {
-    // One after the other: compilers differ in the order in which they evaluate a call's arguments.
+    // In separate statements: the evaluation order of a call's arguments depends on the compiler.
     const double x = 12.0 * random.u() - 6.0;
     const double y = 5.0 * random.u() - 2.5;
     SolidDef def{.pose = at(x, y, 1.0 + 0.1 * i),

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Runs ten scenes and prints the hash of all that moved, one line for each: name, steps, hash. On
-// every machine, with every compiler, the same (docs/determinism.md).
+// Runs ten scenes and prints the hash of all motion, one line each: name, steps, hash. Every
+// machine and compiler gives the same hashes (docs/determinism.md).
 //   determinism [--steps N] [--lanes 2|4] [--seconds] [SCENE...]
-// --seconds adds the processor's time for each scene.
+// --seconds adds the processor time of each scene.
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kStep = 1.0 / 60.0;  // s
 
-/// A scene of the comparison between engines, as data, in a world of Tandem.
+/// A scene of the comparison between engines, built in a world of Tandem.
 struct ToShape {
   template <class Other>
   collision::Shape operator()(const Other&) const {
@@ -68,7 +68,7 @@ std::uint64_t run_scene(const Run& run, const Build& make) {
   return scene.world().hash();
 }
 
-/// Half of the steps in one world, half in another that has been given its snapshot.
+/// Half of the steps in one world, half in another restored from its snapshot.
 std::uint64_t run_restored(const Run& run, const Build& make) {
   Scene first(scene_options(run));
   Scene second(scene_options(run));
@@ -82,8 +82,8 @@ std::uint64_t run_restored(const Run& run, const Build& make) {
 
 struct Case {
   const char* name;
-  int share_of_steps;  ///< 1: all of them; 10: a tenth, of scenes that take long
-  bool sleeping;       ///< false: what came to rest is solved on, as that shows more
+  int share_of_steps;  ///< 1: all; 10: a tenth, for slow scenes
+  bool sleeping;       ///< false: keep solving bodies at rest, for a stricter test
   std::function<std::uint64_t(const Run&)> run;
 };
 

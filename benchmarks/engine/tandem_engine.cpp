@@ -106,7 +106,7 @@ class TandemEngine final : public Engine {
       def.mass = body.mass;
       def.inertia = body.inertia.asDiagonal();
     }
-    if (body.limb) {  // as of tandem::Ragdoll
+    if (body.limb) {  // as in tandem::Ragdoll
       def.sleep_speed = 0.03;
       def.sleep_spin = 0.3;
     }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""The cells of the matrix: which there are, how each is run, and what came out."""
+"""The cells of the matrix: their options, runs and results."""
 import json
 import subprocess
 import sys
@@ -9,15 +9,15 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-# s of session time: as long as the script has something to do.
+# s of session time: the length of the script.
 SECONDS = {"cubes": 20, "room": 40, "tennis": 20, "piano": 22, "cliff": 8}
-# [friston] Sec. 7.1, besides soft, the default of all but the piano, whose default is asymmetric.
+# [friston] Sec. 7.1, besides the default: soft, or asymmetric for the piano.
 MODES = {"cubes": ("asymmetric", "hard"), "room": ("asymmetric", "hard"), "piano": ("hard",)}
-# What a room's page recorded, of users A and B, and where it is played; see docs/hands.md.
+# Records of a room's page, of users A and B, and the scenes that replay them; see docs/hands.md.
 HANDS = [str(Path(__file__).resolve().parents[1] / "data/hands" / f"synthetic-pointer-{i}.txt") for i in (1, 2)]
 RECORDED = ("cubes", "room", "piano")
 RECORDED_SECONDS = 32  # the longest record
-MOTION = "motion"  # the check of speeds, see motion.cpp
+MOTION = "motion"  # check of speeds, see motion.cpp
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Cell:
         return f"{self.scenario}-{self.variant}-p{self.profile}-s{self.seed}-{self.seconds:g}"
 
     def recorded(self, folder):
-        """What the users did, to be replayed under something else."""
+        """The recorded inputs, for a replay with other options."""
         return folder / f"{self.name}.inputs"
 
     def command(self, binaries, folder):
@@ -49,14 +49,14 @@ class Cell:
             "recorded": ["--script", "hands=" + ",".join(HANDS)],
             "uneven": ["--rates", "60,72"],
             "asymmetric": ["--mode", "asymmetric"],
-            # The piano's default springs are asymmetric whatever the mode is.
+            # The piano's default springs are asymmetric in every mode.
             "hard": ["--mode", "hard"] + (["--variant", "soft"] if self.scenario == "piano" else []),
         }[self.variant]
         return args + extra
 
 
 def matrix(scenarios, profiles, first_seed, seed_count, quick):
-    """In the order of running: what matters most comes first."""
+    """In order of running: the most important first."""
     first, second = [], []
     for scenario in scenarios:
         seconds = SECONDS[scenario]
@@ -85,12 +85,12 @@ def matrix(scenarios, profiles, first_seed, seed_count, quick):
                     for mode in MODES[scenario]:
                         add(second, mode, profile)
             if scenario == "tennis":
-                add(second, "live", 0)  # nothing is late
+                add(second, "live", 0)  # without latency
     return first, second
 
 
 def recorded(scenarios, profiles, first_seed, seed_count):
-    """Recorded hands, and the scripted ones that they are set beside."""
+    """Recorded hands, and scripted ones for comparison."""
     return ([Cell(s, variant, p, seed, RECORDED_SECONDS if variant == "recorded" else SECONDS[s])
              for s in RECORDED if s in scenarios
              for seed in range(first_seed, first_seed + seed_count)
@@ -98,7 +98,7 @@ def recorded(scenarios, profiles, first_seed, seed_count):
 
 
 def scripted(scenario):
-    """The variant in which all peers know of all springs, as of those of recorded hands."""
+    """The variant in which all peers know all springs, as they know those of recorded hands."""
     return "soft" if scenario == "piano" else "default"
 
 
@@ -140,7 +140,7 @@ def run_all(rounds, binaries, out, jobs):
     done = 0
     start = time.monotonic()
     for cells in rounds:
-        # The longest first, so that none is left over alone at the end.
+        # The longest first, so that none runs alone at the end.
         order = sorted(cells, key=lambda c: c.scenario not in ("cliff", "cubes"))
         with ThreadPoolExecutor(jobs) as pool:
             for future in as_completed([pool.submit(_run, c, binaries, folder) for c in order]):
@@ -150,7 +150,7 @@ def run_all(rounds, binaries, out, jobs):
 
 
 def load(rounds, out):
-    """{(scenario, variant, profile): [result of each seed]}; cells that are missing are left out."""
+    """{(scenario, variant, profile): [result per seed]}, without missing cells."""
     results = {}
     for cells in rounds:
         for cell in cells:

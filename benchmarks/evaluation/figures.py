@@ -17,7 +17,7 @@ def _save(figure, out, name):
 
 
 def _box(cells, floor=1e-5):
-    """Median over seeds of each of the box's numbers, mm, for Axes.bxp."""
+    """Median over seeds of each statistic of the box, mm, for Axes.bxp."""
     stats = {}
     for name, key in (("whislo", "whisker_low"), ("q1", "p25"), ("med", "p50"), ("q3", "p75"),
                       ("whishi", "whisker_high")):
@@ -44,7 +44,7 @@ def _boxes(axes, boxes, positions, colour, width=0.32):
 
 
 def _bars(axes, results, path, keys):
-    """The share of each millisecond, of all seeds; the profile is the key's last."""
+    """The share of each millisecond, over all seeds; the profile is the key's last."""
     for key, colour in zip(keys, COLOURS):
         counts = [get(r, path) for r in results.get(key) or [] if get(r, path)]
         total = [sum(c) for c in zip(*counts)]

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 
-// No treacle: whether what two peers share over the slowest link moves as fast as what one peer has
-// for itself. Prints, for each predictor and motion, the largest difference of speed as a share of
-// the speed alone.
+// Checks that sharing does not slow bodies down: compares two peers over the slowest link with a
+// single peer. Prints, per predictor and motion, the largest difference of speed as a fraction of
+// the single peer's speed.
 
 #include <algorithm>
 #include <array>
@@ -30,7 +30,7 @@ constexpr double kSeconds = 3.0;
 constexpr SessionTime kStart = 1'000'000'000;  // ns
 constexpr SessionTime kPhase = 7'000'000;      // ns, of the second peer's steps
 constexpr double kMass = 0.3;                  // kg
-// s: the hand's throw, by a user who is no newcomer any more.
+// s: the throw, long enough after the start that its user has full authority.
 constexpr double kSwingUp = 1.5, kSwingEnd = 1.9;
 
 /// One peer's world with one shared ball.
@@ -77,10 +77,10 @@ using Build = std::function<void(Site&, bool first)>;
 struct Motion {
   const char* name;
   Build build;
-  double from;  ///< s, where looking begins
+  double from;  ///< s, start of the comparison
 };
 
-/// m/s of both peers (or of one of them alone) after each step.
+/// m/s of both peers (or of one alone) after each step.
 std::array<std::vector<double>, 2> run(const Motion& motion, consensus::PredictorKind predictor,
                                        int only) {
   consensus::VirtualNetwork network(consensus::network_profile(5), 1, kStart);
@@ -127,7 +127,7 @@ double difference(const Motion& motion, consensus::PredictorKind predictor) {
   return largest;
 }
 
-/// In flight since the start, at whatever phase the steps are.
+/// In flight since the start, at any phase of the steps.
 Build flight(const Vec3& velocity, const Vec3& off) {
   return [=](Site& site, bool first) {
     const double t = site.since();
@@ -137,7 +137,7 @@ Build flight(const Vec3& velocity, const Vec3& off) {
   };
 }
 
-/// A ball on a rod of 1 m, let go at 0.5 rad; a little later it is where it has fallen to.
+/// A ball on a rod of 1 m, released at 0.5 rad; a later peer starts at the fallen position.
 void pendulum(Site& site, bool /*first*/) {
   const double t = site.since();
   const double spin = -site.world().gravity().norm() * std::sin(0.5) * t;  // rad/s
@@ -148,8 +148,8 @@ void pendulum(Site& site, bool /*first*/) {
   joints.add(site.world(), pbd::BallJointDef{.b = site.ball(), .frame_b = {.anchor = -along}});
 }
 
-/// The first peer's hand holds the ball, swings it and lets go. Both peers have the hand where it
-/// is alone, so that only what is shared differs.
+/// The first peer's hand holds the ball, swings it and releases it. Both peers have the hand of the
+/// single run, so that only the sharing differs.
 void thrown(Site& site, bool first) {
   site.share(Vec3::Zero(), Vec3::Zero());
   if (!first) return;
@@ -176,7 +176,7 @@ void thrown(Site& site, bool first) {
 }  // namespace
 
 int main() {
-  // The first peer alone for what its hand throws: the second has nobody to throw.
+  // The throw runs at the first peer alone: the second has no thrower.
   const std::array<Motion, 4> motions{
       Motion{"fall", flight(Vec3::Zero(), Vec3::Zero()), 0.0},
       Motion{"fall, 3 cm apart at first", flight(Vec3::Zero(), Vec3(0.03, 0.0, 0.0)), 0.0},

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""The bounds, each with what was measured. A bound holds where it holds for every seed."""
+"""The bounds, each with its measured value. A bound holds if it holds for every seed."""
 from stats import get, mean, short, values, worst
 
 MM = 1e3
-# Where users hold by springs. Those of the piano take hold of it and let go of it together.
+# Scenes with spring grips. The piano's users grasp and release it together.
 HOLDING = {"one": ("cubes", "room"), "several": ("cubes", "room", "piano")}
 SCENARIOS = ("cubes", "room", "tennis", "piano", "cliff")
 
 
 def _row(what, measured, bound, holds, brief=None):
-    """@param brief  what is measured, in few words, for the page"""
+    """@param brief  short name of the measure, for the page"""
     return {"what": what, "measured": measured, "bound": bound, "holds": holds, "brief": brief or measured}
 
 
@@ -28,7 +28,7 @@ def _most(results, keys, path, factor, limit, unit, what, bound=None):
 
 def _stable(results):
     rows = []
-    # Modes that are no defaults have a table of their own.
+    # Other modes have a table of their own.
     others = ("control", "asymmetric", "hard")
     runs = [(k, r) for k, seeds in results.items() if k[1] not in others for r in seeds]
     broken = [f"{k[0]} {k[1]} {k[2]}, seed {r['seed']}: {r['fault']}"
@@ -94,7 +94,7 @@ def _against_none(results):
               ("p50 of what moves", "divergence_shared_moving_m.p50"))
     for s in SCENARIOS:
         for name, path in groups:
-            # Most of the balls of tennis wait for their serve: their median says nothing.
+            # Most balls of tennis wait for their serve, so their median is meaningless.
             if s == "tennis" and name == "p50 of all":
                 continue
             rows.append(_by_profile(f"{s}: influence 0 over ours, {name}",
@@ -117,7 +117,7 @@ def _limit(results):
 
 
 def _stretch(results):
-    """Springs between hands and what they hold, against the same inputs at one peer."""
+    """Stretch of springs, against the same inputs at one peer."""
     rows = []
     for series, limit in (("one", 1.1), ("several", 1.3)):
         for s in HOLDING[series]:
@@ -130,7 +130,7 @@ def _stretch(results):
 
 
 def _continue(cells):
-    """Share of strokes after which the rally goes on: hits over hits and serves."""
+    """Share of strokes after which the rally continues: hits over hits and serves."""
     hits = sum(sum(values(cells, f"outcome.peer_{i}.hits")) for i in (1, 2))
     served = sum(sum(values(cells, f"outcome.peer_{i}.served")) for i in (1, 2))
     return hits / (hits + served) if hits + served else None

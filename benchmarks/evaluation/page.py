@@ -19,7 +19,7 @@ RALLY = "tennis: strokes that keep the rally going, of those where nothing is la
 
 
 def variants_in_short(results):
-    """p95 of what nobody owns, by scenario and variant."""
+    """p95 of unowned bodies, by scenario and variant."""
     texts = []
     for s in SCENARIOS:
         found = [(v, mean(results.get((s, v, 5)), "divergence_shared_m.p95", 1e3))
@@ -30,7 +30,7 @@ def variants_in_short(results):
 
 
 def not_agreed(results):
-    """Cells in which some run never came together."""
+    """Cells with a run that never agreed."""
     cells = [(s, p, results.get((s, "default", p), [])) for s in SCENARIOS for p in (1, 3, 5)]
     counts = [(s, p, len(values(own, "time_to_agree_s")), len(own)) for s, p, own in cells if own]
     return [f"{s} {n} of {m} at profile {p}" for s, p, n, m in counts if n < m]
@@ -43,7 +43,7 @@ def far(results, path, factor=1.0, scenarios=SCENARIOS):
 
 
 def over_control(results, path, profile):
-    """Ours over that without agreement, by scenario: text."""
+    """Ours over the value without agreement, by scenario: text."""
     found = [(s, over(mean(results.get((s, "default", profile)), path),
                       mean(results.get((s, "control", profile)), path))) for s in SCENARIOS]
     return ", ".join(f"{s} {short(v)}" for s, v in found if v is not None)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""The section of docs/evaluation.md on hands that follow records, beside the scripted ones."""
+"""The section of docs/evaluation.md on recorded hands, beside scripted ones."""
 import cells
 import pages
 from pages import table
@@ -29,7 +29,7 @@ def _lines(results):
 
 
 def _over_limit(results, variants):
-    """The range of p95 over the limit's, of what one user holds, in scenes with bodies of one user each."""
+    """The range of p95 over the limit's, for bodies held by one user, in scenes with bodies of one user each."""
     ratios = [over(*(mean(results.get((s, variants(s), p)), f"{which}.p95")
                      for which in ("held_by_one_m", "held_limit_m")))
               for s in ("cubes", "room") for p in range(1, 6)]
@@ -38,7 +38,7 @@ def _over_limit(results, variants):
 
 
 def _brief(results):
-    """At profile 5: p95 of what moves, and of what one user holds beside its limit."""
+    """At profile 5: p95 of moving bodies, and of those held by one user beside its limit."""
     lines = []
     for s in cells.RECORDED:
         for hands, variant in (("scripted", cells.scripted(s)), ("recorded", "recorded")):
@@ -69,7 +69,7 @@ def section(results, page):
 
 
 def write(results, docs):
-    """That section of the page alone."""
+    """Only that section of the page."""
     page = docs / "evaluation.md"
     sections = pages.sections(page)
     sections.pop(HEADING, None)

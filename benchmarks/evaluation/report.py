@@ -77,7 +77,7 @@ def stretch_lines(results):
                     line += ["-"] * 4
                     continue
                 line += [text(own, f"stretch_m.{series}.{q}", 1e3) for q in ("p50", "p95", "p99")]
-                # Of means, as the bounds are.
+                # Over means, like the bounds.
                 ratios = [over(mean(own, f"stretch_m.{series}.{q}"),
                                mean(own, f"reference.stretch_m.{series}.{q}"))
                           for q in ("p50", "p95", "p99")]

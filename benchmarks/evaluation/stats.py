@@ -9,7 +9,7 @@ _T = {1: 12.706, 2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571, 6: 2.447, 7: 2.365, 8: 
 
 
 def get(result, path):
-    """A number deep in a result, by names with dots; None where there is none."""
+    """A nested number of a result, by a dotted name; None if it is missing."""
     for name in path.split("."):
         if not isinstance(result, dict) or result.get(name) is None:
             return None
@@ -23,7 +23,7 @@ def values(results, path, factor=1.0):
 
 
 def interval(numbers):
-    """Mean and half of its 95 % confidence interval; None where there is nothing to say."""
+    """Mean and half of its 95 % confidence interval; None if undefined."""
     if not numbers:
         return None, None
     if len(numbers) == 1:
@@ -46,7 +46,7 @@ def text(results, path, factor=1.0):
 
 
 def over(number, other):
-    """Their ratio; None where either is unknown or there is nothing to divide by."""
+    """Their ratio; None if either is unknown or the divisor is 0."""
     return number / other if number is not None and other else None
 
 

@@ -12,20 +12,20 @@ namespace tandem::everyday {
 
 struct WorldOptions {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);  ///< m/s^2
-  bool sleeping = true;                  ///< bodies fall asleep, each engine by its own rule
+  bool sleeping = true;                  ///< bodies fall asleep by the engine's own rule
 };
 
-/// A world of Tandem or of another engine at its defaults, as far as these scenes ask for. First
-/// all is added, then it is stepped.
+/// A world of Tandem or of another engine at its defaults, with the subset that these scenes need.
+/// All bodies are added before the first step.
 class AnyWorld {
  public:
   virtual ~AnyWorld() = default;
 
   /// As Scene::add.
-  /// @throws std::invalid_argument where the engine or its adapter has no such body
+  /// @throws std::invalid_argument if the engine or its adapter lacks such a body
   virtual BodyId add(std::span<const collision::CompoundPart> parts, const SolidDef& def) = 0;
   BodyId add(const collision::Shape& shape, const SolidDef& def = {});
-  /// About an axis (unit) through a point (m) that stay where they are.
+  /// Hinge to the world by an axis (unit) through a point (m).
   virtual void add_hinge(BodyId body, const Vec3& point_w, const Vec3& axis_w) = 0;
   /// @throws std::invalid_argument as add()
   virtual void step(double dt) = 0;

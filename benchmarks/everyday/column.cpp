@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// E7: small things that fall in a column stay in order and outside each other.
+// E7: small objects that fall in a column keep their order and do not overlap.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -39,7 +39,7 @@ collision::Shape shape_of(Thing thing, double size) {
   return Sphere{};
 }
 
-/// Gaps of half an edge; the first hangs `phase` of a step's way at impact higher.
+/// Gaps of half an edge; the first is higher by `phase` of a step's distance at impact.
 void column(Tally& tally, const bench::MakeEngine& peer, Thing thing, double size, double phase,
             double bound) {
   const auto world = make_world(peer);
@@ -61,7 +61,7 @@ void column(Tally& tally, const bench::MakeEngine& peer, Thing thing, double siz
       const Vec3 place = scene.pose(body).position;
       const Vec3 up = place - below;
       below = place;
-      // Only where one lies on the other: those that fell off are neighbours no more.
+      // Only stacked neighbours: those that fell off do not count.
       if (std::hypot(up.x(), up.y()) > 0.25 * size) continue;
       const double gap = thing == Thing::Ball && up.z() > 0.0 ? up.norm() : up.z();
       overlap = std::max(overlap, 1.0 - gap / size);

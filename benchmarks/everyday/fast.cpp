@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// E8: a bat meets its ball, and nothing goes through a wall.
+// E8: a bat hits its ball, and nothing goes through a wall.
 #include <cmath>
 #include <vector>
 
@@ -14,7 +14,7 @@
 namespace tandem::everyday {
 namespace {
 
-/// A bat of 1.2 m on an upright hinge; the ball lies `phase` of a step's turn off a whole number of
+/// A bat of 1.2 m on a vertical hinge; the ball is `phase` of a step's turn off a whole number of
 /// steps.
 bool bat_hits(const bench::MakeEngine& peer, double spin, double phase, double ball_radius) {
   const auto world = make_world(peer, {.gravity = Vec3::Zero()});
@@ -43,7 +43,7 @@ void bat(Tally& tally, Extent extent, const bench::MakeEngine& peer, double spin
   }
 }
 
-/// Whether it ends beyond a wall of 1 cm. @param tilt  rad or so, of its turn at random
+/// True if it ends beyond a wall of 1 cm. @param tilt  rad, scale of the random orientation
 bool goes_through(const bench::MakeEngine& peer, const collision::Shape& shape, double speed,
                   double spin, double tilt, pbd::SplitMix64& random) {
   const auto world = make_world(peer);
@@ -58,7 +58,7 @@ bool goes_through(const bench::MakeEngine& peer, const collision::Shape& shape, 
       spin * Vec3(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
   const BodyId body = scene.add(shape, def);
   for (int i = 0; i < 30; ++i) scene.step(kFrame);
-  // Not a number is no place before the wall.
+  // NaN counts as through.
   return !(scene.pose(body).position.x() < 0.0);
 }
 
@@ -67,7 +67,7 @@ void wall(Tally& tally, Extent extent, const bench::MakeEngine& peer, const coll
   for (const double spin : {0.0, 20.0}) {
     pbd::SplitMix64 random(8);
     for (int i = 0; i < (extent == Extent::Full ? 60 : 10); ++i) {
-      // Of 60, for each spin; every second one comes nearly face on.
+      // 60 cases per spin; every second one hits nearly face on.
       const double tilt = i % 2 == 0 ? 3.0 : 0.1;
       tally.failed(told({{"through, spin", spin}}),
                    goes_through(peer, shape, speed, spin, tilt, random), allowed,

@@ -46,7 +46,7 @@ collision::Shape level_mesh(double low, double high, double reach, int columns, 
 
 Solid level_ground(Ground ground, double friction, double reach) {
   SolidDef def{.type = BodyType::Static, .material = {.friction = friction}};
-  // No corner of a cell below the origin.
+  // No cell corner below the origin.
   const Vec3 aside(0.0123 * reach, 0.0071 * reach, 0.0);
   constexpr int kCells = 32;
   switch (ground) {

@@ -18,12 +18,12 @@ inline constexpr std::array kGrounds = {Ground::HalfSpace, Ground::Box, Ground::
                                         Ground::Hull};
 std::string name_of(Ground ground);
 
-/// A static body, to be added to a world.
+/// A static body to add to a world.
 struct Solid {
   collision::Shape shape;
   SolidDef def;
 };
-/// Level ground with its top at z = 0, as far as `reach` (m) from the origin. Meshes and fields
+/// Level ground with its top at z = 0, extending `reach` (m) from the origin. Meshes and fields
 /// have cells of a 16th of it, none with a corner at the origin.
 Solid level_ground(Ground ground, double friction, double reach);
 
@@ -37,10 +37,10 @@ BodyId add_ground(World& world, Ground ground, double friction, double reach) {
 /// A level mesh or field over x from `low` to `high` and y from -reach to reach, at z = 0.
 collision::Shape level_mesh(double low, double high, double reach, int columns, int rows);
 
-/// How deep the lowest of the points lies below z = 0, m.
+/// Depth of the lowest point below z = 0, m.
 double depth_below(const Pose& shape_pose, std::span<const Vec3> points);
 
-/// "a = 1, b = 2" out of pairs.
+/// "a = 1, b = 2" from pairs.
 std::string told(std::initializer_list<std::pair<const char*, double>> values);
 
 }  // namespace tandem::everyday

@@ -9,19 +9,18 @@
 
 #include "demos/engine/engine.h"
 
-/// Small scenes that users of any engine build, each over many neighbours: other sizes, angles,
-/// speeds, phases within a step, grounds. The bound is what physics says, at the engine's default
-/// setting.
+/// Small scenes that users of any engine build, each with many variations: sizes, angles, speeds,
+/// phases within a step, grounds. The bounds come from physics, at the engine's default setting.
 namespace tandem::everyday {
 
-/// One measure of a group, at its worst.
+/// The worst case of one measure of a group.
 struct Line {
   std::string kind;  ///< E1 to E14
   std::string name;
   std::string ground;
   std::string measure;
   int cases = 0;
-  int beyond = 0;      ///< of the cases, beyond the bound
+  int beyond = 0;      ///< number of cases beyond the bound
   double worst = 0.0;  ///< in the unit
   double bound = 0.0;  ///< of the worst case
   std::string unit;
@@ -30,13 +29,13 @@ struct Line {
   bool holds() const { return worst <= bound; }  // false for NaN
 };
 
-/// Gathers what a group's cases measure.
+/// Collects the measures of a group's cases.
 class Tally {
  public:
-  /// value <= bound, > 0, in every case; the worst is the one with most of its bound.
+  /// value <= bound, > 0, in every case; the worst one has the largest value / bound.
   void at_most(const std::string& measure, double value, double bound, const std::string& unit,
                const std::string& which);
-  /// No more than `allowed` of all cases have failed.
+  /// At most `allowed` of all cases fail.
   void failed(const std::string& measure, bool failed, int allowed, const std::string& which);
 
   const std::vector<Line>& lines() const { return lines_; }
@@ -50,7 +49,7 @@ class Tally {
   std::vector<std::string> beyond_;
 };
 
-/// How many of its cases a group runs.
+/// Number of cases that a group runs.
 enum class Extent { Quick, Full };
 
 struct Group {
@@ -61,29 +60,28 @@ struct Group {
   bool quick = false;  ///< has cases for Extent::Quick
 };
 
-// Those that any engine may run; peer: empty is Tandem.
+// Groups for any engine; peer: empty is Tandem.
 std::vector<Group> seam_groups(const bench::MakeEngine& peer);    // E1
 std::vector<Group> rest_groups(const bench::MakeEngine& peer);    // E2, E3
 std::vector<Group> spin_groups(const bench::MakeEngine& peer);    // E4
 std::vector<Group> column_groups(const bench::MakeEngine& peer);  // E7
 std::vector<Group> fast_groups(const bench::MakeEngine& peer);    // E8
 std::vector<Group> sleep_groups(const bench::MakeEngine& peer);   // E14
-// Those of Tandem alone.
+// Groups for Tandem alone.
 std::vector<Group> joint_groups();  // E5
 std::vector<Group> stand_groups();  // E9, E10
 std::vector<Group> rope_groups();   // E12
 /// All of the above, by kind.
 std::vector<Group> all_groups();
-/// Those that the engine may run. A group throws std::invalid_argument where it lacks a shape.
+/// Groups for another engine. A group throws std::invalid_argument if the engine lacks a shape.
 std::vector<Group> peer_groups(const bench::MakeEngine& peer);
 
 std::vector<Line> run_group(const Group& group, Extent extent,
                             std::vector<std::string>* beyond = nullptr);
 
-/// The entry of known.cpp, the only list of exceptions, that says of a line that it does not hold;
-/// -1: it ought to.
+/// The entry of known.cpp, the only list of exceptions, that covers a line; -1: the line must hold.
 int known_entry(const Line& line);
-/// An entry in words: what it is about, and why that does not hold.
+/// Subject and reason of an entry.
 std::string known_text(int entry);
 
 }  // namespace tandem::everyday

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// E5: a joint that is violated when it is made closes gently, and leaves nothing behind.
+// E5: a joint that is violated when it is made closes gently, without residual motion.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,14 +14,14 @@ namespace tandem::everyday {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kHopeless = 1e3;  // rad/s: what spins so is over, and its steps may take very long
+constexpr double kHopeless = 1e3;  // rad/s: a faster case has failed
 
 struct Arm {
   double lower, upper, start;  ///< degrees
-  bool world;                  ///< hangs on the world, else on a body of the same size
+  bool world;                  ///< attached to the world, otherwise to a body of the same size
 };
 
-/// An arm of 1 m on an upright hinge, where gravity does no work.
+/// An arm of 1 m on a vertical hinge, where gravity does no work.
 void hinge(Tally& tally, const Arm& arm, double length) {
   Scene scene({.gravity = Vec3::Zero()});
   const Vec3 half(0.5 * length, 0.05 * length, 0.05 * length);
@@ -36,12 +36,12 @@ void hinge(Tally& tally, const Arm& arm, double length) {
         Box{half}, {.pose = {.position = Vec3(0.5 * length, 0.0, 0.0)}, .filter = {.group = -1}});
     def.frame_a.anchor = Vec3(-0.5 * length, 0.0, 0.0);
   }
-  // x of the joint is z of the bodies.
+  // The joint's x is the bodies' z.
   def.frame_a.basis = Quat(Eigen::AngleAxisd(-std::numbers::pi / 2.0, Vec3::UnitY()));
   def.frame_b = {.anchor = Vec3(-0.5 * length, 0.0, 0.0), .basis = def.frame_a.basis};
   def.axis = {
       .freedom = pbd::Freedom::Limited, .lower = arm.lower * kDegree, .upper = arm.upper * kDegree};
-  def.start = arm.start * kDegree;  // poses do not tell turns
+  def.start = arm.start * kDegree;  // poses do not tell whole turns
   const pbd::JointId joint = scene.add_joint(def);
   double fastest = 0.0;
   for (int i = 0; i < 180 && fastest < kHopeless; ++i) {
@@ -56,7 +56,7 @@ void hinge(Tally& tally, const Arm& arm, double length) {
   tally.at_most("energy left", scene.world().kinetic_energy() / weight, 0.1, "m g l", which);
   const double angle = scene.joints().hinge_angle(joint) / kDegree;
   const double nearest = std::clamp(arm.start, arm.lower, arm.upper);
-  // A start within the limits is to stay; another one ends within them.
+  // A start within the limits is kept; another one ends within them.
   const double off = arm.start == nearest
                          ? std::abs(angle - nearest)
                          : std::abs(angle - std::clamp(angle, arm.lower, arm.upper));
@@ -89,7 +89,7 @@ void hinges(Tally& tally, Extent extent) {
 
 enum class Kind { Ball, Fixed, Slider, Hinge };
 
-/// Two bodies whose anchors begin apart.
+/// Two bodies with separated anchors.
 void apart(Tally& tally, Kind kind, double distance, double length) {
   Scene scene({.gravity = Vec3::Zero()});
   const Vec3 half(0.5 * length, 0.05 * length, 0.05 * length);

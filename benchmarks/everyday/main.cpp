@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Everyday scenes over many neighbours, and the worst of each group beside its bound.
+// Everyday scenes with many variations, and the worst case of each group beside its bound.
 //   everyday [--engine jolt] [--kind E4] [--only TEXT] [--quick] [--json FILE] [--cases] [--list]
-// Exit code 1 where a line of Tandem's does not hold that is not known to, or all cases hold of one
-// that is known not to. Another engine is not judged: what its adapter lacks is left out.
+// Exit code 1 if a line of Tandem fails without a known entry, or a known entry holds in all cases.
+// Another engine is not judged: cases that its adapter lacks are left out.
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -90,7 +90,7 @@ bool asked_for(const Group& group, const Options& options) {
          (group.name + ", " + group.ground).find(options.only) != std::string::npos;
 }
 
-/// Lines that hold, that do not, and those that are known not to.
+/// Lines that hold, that fail, and that are known to fail.
 class Verdict {
  public:
   explicit Verdict(bool judged) : judged_(judged) {}
@@ -124,7 +124,7 @@ class Verdict {
   int lines_ = 0;
   int failures_ = 0;
   int known_ = 0;
-  std::map<int, int> failed_of_;  ///< lines that do not hold, by entry of known.cpp
+  std::map<int, int> failed_of_;  ///< failed lines, by entry of known.cpp
 };
 
 std::vector<Group> groups_of(const std::string& engine) {

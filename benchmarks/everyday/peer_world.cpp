@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Bodies of these scenes as the adapters of benchmarks/peers take them.
+// Bodies of these scenes for the adapters of benchmarks/peers.
 #include <Eigen/Eigenvalues>
 #include <stdexcept>
 #include <vector>
@@ -73,7 +73,7 @@ class PeerWorld final : public AnyWorld {
       const collision::MassProperties mass = mass_properties(shape, def.density);
       body.mass = mass.mass;
       body.inertia = mass.inertia.diagonal();
-      // Adapters take bodies whose axes are the principal ones, which a hull's need not be.
+      // Adapters need bodies with principal axes, which a hull may lack.
       if (std::holds_alternative<collision::Hull>(shape)) {
         const Eigen::SelfAdjointEigenSolver<pbd::Mat3> principal(mass.inertia);
         pbd::Mat3 axes = principal.eigenvectors();
@@ -124,7 +124,7 @@ class PeerWorld final : public AnyWorld {
   }
 
  private:
-  /// Made of all that was added when it is first asked for.
+  /// Made from all added bodies on first use.
   bench::Engine& engine() const {
     if (!engine_) engine_ = peer_(scene_, settings_);
     return *engine_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// E2, E3: a hull that is dropped comes to rest, be its corners random or those of a scan.
+// E2, E3: a dropped hull comes to rest, with random or scanned corners.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -33,7 +33,7 @@ Points random_points(pbd::SplitMix64& random, int count, double size) {
   return points;
 }
 
-/// A cube of 5 x 5 points a face, each moved by up to `bump` sizes.
+/// A cube of 5 x 5 points per face, each moved by up to `bump` sizes.
 Points bumpy_cube(pbd::SplitMix64& random, double size, double bump) {
   Points points;
   for (int i = 0; i < 125; ++i) {
@@ -46,7 +46,7 @@ Points bumpy_cube(pbd::SplitMix64& random, double size, double bump) {
   return points;
 }
 
-/// A tin of 24 sides, upright, whose points were measured to 0.2 mm.
+/// An upright tin of 24 sides, with points measured to 0.2 mm.
 Points scanned_tin(pbd::SplitMix64& random, double size, double error) {
   Points points;
   for (int i = 0; i < 24; ++i) {
@@ -68,7 +68,7 @@ Points scanned_parcel(pbd::SplitMix64& random, double size, double error) {
   return points;
 }
 
-/// Drops it by a tenth of its size; what is left of its motion and how deep it lies.
+/// Drops it by a tenth of its size; checks residual motion and depth.
 void check_rest(Tally& tally, const bench::MakeEngine& peer, Ground ground, const Points& points,
                 double size, const std::string& which) {
   const auto hull = collision::ConvexHull::make(points);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// E12: a heavy load on a light rope swings from level as on a rope.
+// E12: a heavy load on a light rope swings down from horizontal.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -13,7 +13,7 @@
 namespace tandem::everyday {
 namespace {
 
-/// A rope of 1 kg that begins at `angle` from level.
+/// A rope of 1 kg that starts at `angle` from horizontal.
 void swing(Tally& tally, double load, int particles, double length, double angle) {
   Scene scene;
   const BodyId hook = scene.add(Sphere{0.01}, {.type = BodyType::Static});

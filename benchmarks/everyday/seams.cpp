@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// E1: what slides or rolls over the flush seam of two bodies goes on as on one.
+// E1: a body that slides or rolls over the flush seam of two bodies moves as on one.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,14 +14,14 @@
 namespace tandem::everyday {
 namespace {
 
-constexpr double kSize = 0.25;  // m, half of what crosses
+constexpr double kSize = 0.25;  // m, half size of the moving body
 
 struct Mover {
   std::string name;
   bool flat;  ///< has a face on the ground
   bool rolls;
   std::vector<collision::CompoundPart> parts;
-  double height = kSize;  ///< m, of the shape's frame where it stands
+  double height = kSize;  ///< m, of the shape's origin on the ground
   Quat turn = Quat::Identity();
 };
 
@@ -82,7 +82,7 @@ std::string name_of(Seam seam) {
 constexpr double kReach = 20.0;  // m
 constexpr double kTile = 0.7;    // m
 
-/// Triangles whose border at x = 0 has corners that the other side has not.
+/// Triangles whose border at x = 0 has corners that the other side lacks.
 collision::Shape junction() {
   const double r = kReach;
   const double middle = 0.1;
@@ -138,12 +138,12 @@ void add_seam(AnyWorld& scene, Seam seam, double friction) {
 }
 
 struct Crossing {
-  double speed = 0.0;  ///< m/s, least or most on the way, whichever is further off
+  double speed = 0.0;  ///< m/s, minimum or maximum on the way, whichever is farther off
   double hop = 0.0;    ///< m
   double way = 0.0;    ///< m, along x
 };
 
-/// @param end  m, where it is over; or where it stands still
+/// @param end  m, where the run ends, unless the body stops earlier
 Crossing cross(const bench::MakeEngine& peer, const Mover& mover, Seam seam, double friction,
                double speed, double from, double end) {
   const auto world = make_world(peer);
@@ -189,7 +189,7 @@ void check_crossing(Tally& tally, Extent extent, const bench::MakeEngine& peer, 
   }
 }
 
-/// With friction it comes to rest where it does on one box.
+/// With friction it stops at the same place as on one box.
 void check_stop(Tally& tally, Extent extent, const bench::MakeEngine& peer, const Mover& mover,
                 Seam seam) {
   const std::vector<double> speeds =

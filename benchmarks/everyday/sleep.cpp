@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// E14: what is left alone falls asleep, and nothing does that still moves.
+// E14: undisturbed bodies fall asleep, and moving ones do not.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -19,10 +19,10 @@ namespace {
 
 using Build = std::function<void(AnyWorld&, std::vector<BodyId>&, pbd::SplitMix64&)>;
 
-constexpr int kWindow = 15;        // steps over which poses tell a speed
-constexpr double kBlow = 0.1;      // m/s: faster is a blow
-constexpr double kLate = 6.0;      // s after the last blow
-constexpr double kLongest = 30.0;  // s, of a scene in which the blows do not end
+constexpr int kWindow = 15;        // steps over which poses give a speed
+constexpr double kBlow = 0.1;      // m/s: faster is an impact
+constexpr double kLate = 6.0;      // s after the last impact
+constexpr double kLongest = 30.0;  // s, of a scene with endless impacts
 
 /// Steps until all sleep or are late.
 void watch(Tally& tally, AnyWorld& scene, const std::vector<BodyId>& bodies,
@@ -100,7 +100,7 @@ void cards(AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64&) {
   }
 }
 
-/// Ten pins, upright; a ball runs into them.
+/// Ten upright pins, hit by a ball.
 void pins(AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64& random) {
   for (int row = 0; row < 4; ++row) {
     for (int i = 0; i <= row; ++i) {
@@ -115,7 +115,6 @@ void pins(AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64& random)
   scene.add(Sphere{0.11}, ball);
 }
 
-/// A pyramid of cans.
 void cans(AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64&) {
   for (int row = 0; row < 4; ++row) {
     for (int i = 0; i < 4 - row; ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// E4: what is long and thin and spins fast gains no energy, and precesses as it ought to.
+// E4: a long thin body in fast spin gains no energy, and precesses correctly.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,7 +14,7 @@
 namespace tandem::everyday {
 namespace {
 
-/// A cylinder or capsule whose axis begins along x.
+/// A cylinder or capsule that starts with its axis along x.
 struct Rod {
   bool capsule = false;
   double radius = 0.005;  ///< m
@@ -43,8 +43,7 @@ Motion run(const bench::MakeEngine& peer, const Rod& rod, Ground ground, const P
   Motion motion{.most_kinetic = scene.kinetic_energy()};
   for (double t = 0.0; t < seconds; t += kFrame) {
     scene.step(kFrame);
-    // Later kinetic energy may be what is wrong, so it counts as far as what there was at the start
-    // allows.
+    // Kinetic energy may itself be wrong later, so it is bounded by the initial energy.
     motion.gain = std::max(motion.gain, scene.mechanical_energy() - start);
     motion.most_kinetic = std::max(motion.most_kinetic, std::min(scene.kinetic_energy(), start));
     if (!std::isfinite(motion.gain)) return {1.0, HUGE_VAL};
@@ -95,7 +94,7 @@ void rolling(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground 
   }
 }
 
-/// Thrown by 3 m/s, turning end over end and about a slant axis.
+/// Thrown at 3 m/s, tumbling end over end and about an oblique axis.
 void thrown(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground ground) {
   const std::vector<double> spins =
       extent == Extent::Full ? std::vector{10.0, 40.0, 80.0, 150.0} : std::vector{40.0};
@@ -123,7 +122,7 @@ void dropped(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground 
   }
 }
 
-/// What is left of 1 m/s after 5 s.
+/// Speed left of 1 m/s after 5 s.
 void dowel(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground ground) {
   for (const double phase : phases_of(extent, 12)) {
     const auto world = make_world(peer);
@@ -138,7 +137,7 @@ void dowel(Tally& tally, Extent extent, const bench::MakeEngine& peer, Ground gr
   }
 }
 
-/// Torque-free: the axis goes round the angular momentum at |L| / I_across.
+/// Torque-free: the axis precesses about the angular momentum at |L| / I_across.
 void precession(Tally& tally, const bench::MakeEngine& peer) {
   for (const double spin : {20.0, 60.0, 200.0}) {
     const auto world = make_world(peer, {.gravity = Vec3::Zero()});

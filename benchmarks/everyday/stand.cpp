@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// E9: a stack stands whatever the steps are. E10: a house of cards that begin inside each other
-// stands.
+// E9: a stack stands with any step length. E10: a house of cards that start overlapping stands.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -59,7 +58,7 @@ void random_steps(Tally& tally, Extent extent) {
   }
 }
 
-/// In the order they are listed, and in shuffled ones.
+/// In listed and in shuffled order.
 void house(Tally& tally, Extent extent) {
   const std::vector<Pose> cards = house_of_cards();
   for (int order = 0; order < (extent == Extent::Full ? 10 : 1); ++order) {

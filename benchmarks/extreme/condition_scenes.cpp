@@ -23,7 +23,7 @@ std::string text(Topology topology) {
   return names[static_cast<std::size_t>(topology)];
 }
 
-/// What copies of a body disagree about; they lie in a row along x, by peer.
+/// Bodies whose copies disagree; copies are in a row along x, by peer.
 enum class Shared { Free, Box, Stack };
 
 Scene spread(Shared shared, int peers, Topology topology, double apart) {
@@ -67,7 +67,7 @@ std::vector<Scene> condition_scenes() {
   scenes.push_back(std::move(loss));
   Scene frozen =
       tug("peer frozen for 2 s", {.pace = {{}, {.frozen_from = 1.5, .frozen_until = 3.5}}});
-  frozen.differs = 0.6;  // as far as one hand alone pulls
+  frozen.differs = 0.6;  // the distance that one hand alone pulls
   scenes.push_back(std::move(frozen));
   scenes.push_back(tug("clocks 20 ms apart", {.pace = {{}, {.ahead = 0.02}}}));
   Scene fall{.name = "frozen while it falls", .group = "conditions"};
@@ -89,7 +89,7 @@ std::vector<Scene> topology_scenes() {
     for (const double apart : {0.1, 1.0}) {
       for (const int peers : {2, 4, 8, 16}) {
         scenes.push_back(spread(shared, peers, Topology::Mesh, apart));
-        if (peers == 2) continue;  // all the same
+        if (peers == 2) continue;  // all topologies are the same
         scenes.push_back(spread(shared, peers, Topology::Star, apart));
         scenes.push_back(spread(shared, peers, Topology::Ring, apart));
       }

@@ -10,9 +10,9 @@
 namespace tandem::extreme_bench {
 namespace {
 
-constexpr double kWallFace = 1.0;  // m, where the wall begins
+constexpr double kWallFace = 1.0;  // m, face of the wall
 
-/// A user's way from a place by 1.5 m into the wall, and back where that is wanted.
+/// A user's path 1.5 m into the wall, and back unless it stays.
 Vec3 there_and_back(double time, const Vec3& start, bool stays) {
   const double out = std::clamp(time - 0.5, 0.0, 1.5);
   const double back = stays ? 0.0 : std::clamp(time - 3.5, 0.0, 1.5);
@@ -77,7 +77,7 @@ Scene other_floor(double lower, const char* text) {
   return scene;
 }
 
-/// A box, pushed about, that is larger at one peer, under another one.
+/// A box that is larger at one peer, pushed about under another one.
 Scene other_size(double larger, const char* text) {
   Scene scene{.name = std::string("size ") + text, .group = "geometry"};
   scene.build = [=](int peer) {

@@ -23,7 +23,7 @@ constexpr int kStacks = 20;
 constexpr int kBoxes = 5;
 constexpr int kWarmUp = 60;  // steps
 constexpr int kRounds = 40;
-constexpr int kSteps = 10;  // of a round
+constexpr int kSteps = 10;  // per round
 
 Copy stacks() {
   CopyBuilder b;
@@ -57,7 +57,7 @@ struct Crowd {
       targets += report.targets;
     };
   }
-  /// Each of the others a little elsewhere.
+  /// Each of the others is slightly displaced.
   void send(consensus::SessionTime now) {
     for (int i = 2; i <= peers; ++i) {
       std::vector<consensus::StateUpdate> moved = states;
@@ -89,7 +89,7 @@ struct Crowd {
   double start = 0.0;
   double step = 0.0;  ///< s
   long targets = 0;
-  std::vector<double> step_us, agreement_us;  ///< for each body and step, by round
+  std::vector<double> step_us, agreement_us;  ///< per body and step, by round
 };
 
 }  // namespace

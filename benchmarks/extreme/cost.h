@@ -4,9 +4,9 @@
 
 namespace tandem::extreme_bench {
 
-/// What one peer of 2 to 16 spends on a body and a step, as CSV: in the solver, and in its share of
-/// the session (packets, prediction, fusion), CPU time in us, the least disturbed tenth of
-/// rounds in which all numbers of peers take turns.
+/// Prints, as CSV, one peer's CPU time (us) per body and step in a session of 2 to 16: of the
+/// solver, and of the session (packets, prediction, fusion). Each value is from the least disturbed
+/// tenth of rounds, in which all session sizes take turns.
 void print_costs();
 
 }  // namespace tandem::extreme_bench

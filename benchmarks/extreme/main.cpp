@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 
-// Stiff and extreme scenes with two and more peers. Prints one line of CSV for each scene, scheme,
-// link and seed; see Result for what the columns are.
+// Stiff and extreme scenes with two and more peers. Prints one line of CSV per scene, scheme, link
+// and seed; see Result for the columns.
 
 #include <cstdio>
 #include <span>

@@ -15,10 +15,10 @@ namespace {
 
 using peers_bench::Site;
 
-/// Springs of all users, in the same order each time.
+/// Springs of all users, always in the same order.
 template <class Visit>
 void for_each_spring(const pbd::World& world, Visit&& visit) {
-  constexpr std::uint32_t kMax = 16;  // of springs, and of times that one was let go
+  constexpr std::uint32_t kMax = 16;  // springs, and releases
   for (const auto& block : world.blocks()) {
     const auto* tethers = dynamic_cast<const pbd::Tethers*>(block.get());
     if (tethers == nullptr) continue;
@@ -144,14 +144,14 @@ void Watch::look() {
 
 Result Watch::finish() {
   const std::size_t n = samples_.size();
-  std::vector<double> worst_from(n + 1, 0.0);  // of all that come from here on
+  std::vector<double> worst_from(n + 1, 0.0);  // over all later samples
   for (std::size_t k = n; k-- > 0;) {
     const Sample& s = samples_[k];
     worst_from[k] = std::max(worst_from[k + 1], difference(s));
     result_.overlap_mm = std::max(result_.overlap_mm, 1e3 * s.overlap);
     result_.joint_mm = std::max(result_.joint_mm, 1e3 * s.joint_error);
   }
-  std::vector<double> series;  // difference at each sample, mm or degrees
+  std::vector<double> series;  // difference per sample, mm or degrees
   for (const Sample& s : samples_) series.push_back(difference(s));
   const auto worst = [&](std::size_t from, std::size_t to) {
     return *std::max_element(series.begin() + static_cast<std::ptrdiff_t>(from),
@@ -188,10 +188,10 @@ Result Watch::finish() {
       if (scene_.stands && !(sunk < 0.5 * kHalf)) standing = false;
     }
   }
-  // What moves differs by as much as the news is late.
+  // Moving copies differ by the age of the updates.
   const double bound = start + 1e3 * scene_.differs + (scene_.by_angle ? 10.0 : 1000.0);
-  // A noise of one quarter is not that of the next. Where states get lost, the longest gap decides
-  // what is worst, and luck where it lies: there the rms says whether something grows.
+  // Noise differs between quarters. With loss, chance places the longest gap, which decides the
+  // maximum: the rms then shows growth.
   const auto rms = [&](std::size_t from, std::size_t to) {
     double sum = 0.0;
     for (std::size_t k = from; k < to; ++k) sum += series[k] * series[k];

@@ -12,31 +12,31 @@ namespace tandem::extreme_bench {
 /// All copies at one moment.
 struct Sample {
   double apart = 0.0;        ///< m, rms over bodies of the largest distance between two copies
-  double turned = 0.0;       ///< rad, likewise
-  double overlap = 0.0;      ///< m, largest of any copy
-  double joint_error = 0.0;  ///< m, likewise
+  double turned = 0.0;       ///< rad, the same for rotations
+  double overlap = 0.0;      ///< m, maximum over copies
+  double joint_error = 0.0;  ///< m, maximum over copies
   bool finite = true;
 };
 Sample sample(const std::vector<std::unique_ptr<peers_bench::Site>>& sites);
 
-/// Kinetic energy and what has changed it, of one copy, step by step. All J.
+/// Kinetic energy and work of one copy, step by step. All J.
 ///
 /// The work is that of gravity and of all users' springs; displacement by agreement does none.
-/// Gravity's is taken from velocities by the trapezoidal rule, which is exact for a constant force
-/// (bodies that are pushed out of each other gain height, and no energy). Springs' is the mean of
-/// the force at the ends of the step, on the way of the point that they hold.
+/// Gravity's comes from velocities by the trapezoidal rule, exact for a constant force (pushing
+/// bodies apart changes heights, but adds no energy). Springs' is the mean of the forces at the
+/// ends of the step, times the motion of the held point.
 class EnergyAccount {
  public:
   explicit EnergyAccount(const peers_bench::Site& site);
-  /// Between Peer::before_step and the solver's step.
+  /// Call between Peer::before_step and the solver's step.
   void begun(const peers_bench::Site& site);
-  /// After the solver's step.
+  /// Call after the solver's step.
   void stepped(const peers_bench::Site& site, const pbd::StepReport& report, double dt);
 
   double kinetic = 0.0;
   double work = 0.0;
   double displacement = 0.0;  ///< the solver's account of the displacement channel, largest |value|
-  int bad_steps = 0;          ///< that the solver had to put back
+  int bad_steps = 0;          ///< that the solver had to undo
 
  private:
   struct Pull {
@@ -48,26 +48,26 @@ class EnergyAccount {
   static double weight_power(const peers_bench::Site& site);
 
   std::vector<Pull> pulls_;  ///< at the start of the step
-  double power_ = 0.0;       ///< W, of gravity, likewise
+  double power_ = 0.0;       ///< W, of gravity, at the start of the step
 };
 
 struct Result {
   bool stable = false;
-  double peak_mm = 0.0;   ///< or degrees, of scenes by angle
-  double final_mm = 0.0;  ///< over the last second, likewise
+  double peak_mm = 0.0;   ///< or degrees, for scenes by angle
+  double final_mm = 0.0;  ///< over the last second, mm or degrees
   int half_frames = -1;   ///< until half of the disagreement is gone for good; -1 = never, or none
   int percent_frames = -1;     ///< until it is below 1 % for good
   int millimetre_frames = -1;  ///< until it is below 1 mm for good
   double overlap_mm = 0.0;
   double overlap_end_mm = 0.0;  ///< mean over the last second
   double joint_mm = 0.0;
-  double kinetic_J = 0.0;       ///< largest, over all copies
-  double work_J = 0.0;          ///< of what acts, up to then
-  double excess_J = 0.0;        ///< most that kinetic energy has grown by beyond all work
+  double kinetic_J = 0.0;       ///< maximum over all copies
+  double work_J = 0.0;          ///< by hands and gravity up to then
+  double excess_J = 0.0;        ///< largest growth of kinetic energy beyond all work
   double displacement_J = 0.0;  ///< largest of any step
 };
 
-/// Collects samples and ends as a Result.
+/// Collects samples and makes a Result of them.
 class Watch {
  public:
   Watch(const Scene& scene, peers_bench::Session& session);
@@ -83,7 +83,7 @@ class Watch {
   std::vector<double> lowest_;  ///< m, height of each body at the start, by peer and body
   std::vector<Sample> samples_;
   double start_kinetic_ = 0.0;
-  int not_finite_ = 0;  ///< samples, and steps that the solver had to put back
+  int not_finite_ = 0;  ///< samples, and steps that the solver had to undo
   Result result_;
 };
 

@@ -24,7 +24,7 @@ void NoisyTransport::drain(std::vector<consensus::Packet>& out) {
       update.pose.position += distance_ * normals();
       update.pose.orientation = pbd::rotated(update.pose.orientation, angle_ * normals());
     }
-    // Packets of states hold nothing else.
+    // Packets of states contain nothing else.
     out[i].bytes.clear();
     consensus::encode(std::span<const consensus::StateUpdate>(packet_.states), out[i].bytes);
   }

@@ -13,7 +13,7 @@
 
 namespace tandem::extreme_bench {
 
-/// Another transport on which states that come in are a little off.
+/// Adds noise to the states received by another transport.
 class NoisyTransport final : public consensus::Transport {
  public:
   /// @param distance  m, standard deviation of each coordinate     @param angle  rad, about each
@@ -36,7 +36,7 @@ class NoisyTransport final : public consensus::Transport {
   std::vector<consensus::PeerStatus> peers() const override { return inner_.peers(); }
 
  private:
-  /// Of a normal distribution, the same with every standard library.
+  /// Normally distributed, the same with every standard library.
   double normal();
   pbd::Vec3 normals() {
     const double x = normal();

@@ -19,9 +19,9 @@ consensus::PeerOptions options_of(const Scene& scene, const Scheme& scheme, std:
   consensus::PeerOptions options;
   options.coupling = scheme.coupling;
   options.two_step_thresholds = scheme.published;
-  // All have been in the session for long.
+  // All have long been in the session.
   options.authority_ramp = 0.0;
-  // Who hears a part of the others alone cannot tell who is far from the rest.
+  // A peer that hears only some of the others cannot identify outliers.
   options.robust.outvote = scene.topology == Topology::Mesh;
   if (peer < conditions.update_hz.size()) options.update_hz = conditions.update_hz[peer];
   if (conditions.share > 0.0) options.influence.baseline = conditions.share;
@@ -38,7 +38,7 @@ void lighten(Site& site, double until) {
   };
 }
 
-/// A hand at its peer.
+/// Adds a hand at its peer.
 void lend(Site& site, const Hand& hand) {
   auto id = std::make_shared<consensus::GrabId>();
   const auto before = site.user;

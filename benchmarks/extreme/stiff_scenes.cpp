@@ -36,7 +36,7 @@ Scene heavy_chain() {
     return b.done();
   };
   scene.weight_from = kKnown;
-  // The first hand carries everything: it is as far above as its spring is stretched by that.
+  // The first hand carries everything: it starts above by the spring's static stretch.
   const double stiffness = 5e4;
   const double stretch = (kHeavy + 0.1 * kLinks) * 9.81 / stiffness;
   scene.hands = {
@@ -52,7 +52,8 @@ Scene heavy_chain() {
   return scene;
 }
 
-/// Two cubes as one: a rigid bar of a metre, whose ends two users pull apart by half a metre each.
+/// Two cubes joined by a rigid bar of a metre, whose ends two users pull apart by half a metre
+/// each.
 Scene bar_pulled_apart() {
   constexpr double kHalfLength = 0.5;
   constexpr double kMass = 10.0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// One manifold, by pair of shapes: 64 pairs side by side, each asked anew (no recycling).
-// pair_time is that of one pair, broad phase included.
+// One manifold, by pair of shapes: 64 separate pairs, without recycling. pair_time is that of one
+// pair, broad phase included.
 #include <benchmark/benchmark.h>
 
 #include <numbers>
@@ -46,7 +46,7 @@ collision::Mesh flat_mesh() {
   return collision::TriangleMesh::make(v, t);
 }
 
-/// The lower shape stands at the origin, the upper one overlaps it by about 1 mm.
+/// The lower shape is at the origin, the upper one overlaps it by about 1 mm.
 void collect(benchmark::State& state, const Shape& lower, const Shape& upper, const Pose& pose) {
   pbd::World world;
   collision::CollisionScene scene({.recycle_distance = 0.0});

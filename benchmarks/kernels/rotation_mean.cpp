@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Fusing the states that several peers have of one body: the arguments are how many they are and
-// how far they lie apart, in degrees. Below 20 degrees power iterations, above it eigenvectors.
+// Fusion of several peers' states of one body: the arguments are the number of states and their
+// spread in degrees. Below 20 degrees power iterations, above it eigenvectors.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Rows in a step at the default setting: contacts of a resting tower (its contacts are recycled, so
-// that nearly all of the time is the solver's), links of a swinging chain. row_time is that of
-// one manifold or joint in one substep. Boxes in stacks of ten that do not sleep, up to 64 000 of
-// them: body_time is that of one in a whole step, with detection.
+// Cost of constraint rows at the default setting: contacts of a resting tower (recycled, so that
+// nearly all time is the solver's), links of a swinging chain. row_time is that of one manifold or
+// joint in one substep. body_time is that of one box in a whole step with detection, in up to 64
+// 000 boxes in stacks of ten that do not sleep.
 #include "tandem/pbd/solver.h"
 
 #include <benchmark/benchmark.h>
@@ -19,7 +19,7 @@ using pbd::Vec3;
 
 constexpr double kDt = 1.0 / 60.0;
 
-/// s for one of so many.
+/// s per row.
 benchmark::Counter row_time(double rows) {
   return {rows, benchmark::Counter::kIsRate | benchmark::Counter::kInvert};
 }

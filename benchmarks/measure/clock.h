@@ -16,12 +16,12 @@ inline double seconds(clockid_t clock) {
   clock_gettime(clock, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
-/// s, of this machine's clock.
+/// s, wall clock.
 inline double wall_seconds() { return seconds(CLOCK_MONOTONIC); }
-/// s, that the calling thread has computed.
+/// s, CPU time of the calling thread.
 inline double thread_seconds() { return pbd::thread_cpu_seconds(); }
 
-/// The value below which the share q (0 to 1) of the values lies; 0 where there is none.
+/// The quantile q (0 to 1) of the values; 0 for an empty list.
 inline double quantile(std::vector<double> values, double q) {
   if (values.empty()) return 0.0;
   std::sort(values.begin(), values.end());

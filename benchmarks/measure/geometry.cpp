@@ -10,7 +10,7 @@ namespace {
 
 using pbd::Mat3;
 
-/// Half the width of a box along the axis.
+/// Half width of a box along the axis.
 double reach(const Mat3& axes, const Vec3& half, const Vec3& axis) {
   return (axes.transpose() * axis).cwiseAbs().dot(half);
 }

@@ -12,12 +12,12 @@ namespace tandem::bench {
 
 struct Penetration {
   double max = 0.0;   ///< m
-  double mean = 0.0;  ///< m, over the touching pairs, gaps count as 0
-  int pairs = 0;      ///< whose gap is below 5 mm
+  double mean = 0.0;  ///< m, over touching pairs; gaps count as 0
+  int pairs = 0;      ///< with a gap below 5 mm
 };
 
-/// Measures overlap from the poses, the same for every engine: balls and boxes among each other and
-/// with fixed boxes and one fixed surface.
+/// Measures overlap from the poses, the same for every engine: balls and boxes with each other,
+/// with fixed boxes and with one fixed surface.
 class PenetrationProbe {
  public:
   explicit PenetrationProbe(const Scene& scene);
@@ -31,7 +31,7 @@ class PenetrationProbe {
   std::vector<std::size_t> fixed_;  ///< boxes
   std::unique_ptr<HeightSurface> surface_;
   std::vector<Pose> poses_;      ///< by body
-  std::vector<double> reaches_;  ///< m, by body: radius of the ball around it
+  std::vector<double> reaches_;  ///< m, by body: bounding radius
   std::vector<std::size_t> order_;
 };
 

@@ -61,7 +61,7 @@ double joint_separation(const Scene& scene, const Engine& engine) {
   return all.empty() ? 0.0 : *std::max_element(all.begin(), all.end());
 }
 
-/// What one kind of scene has to tell besides overlap and energy.
+/// Measures of one kind of scene beyond overlap and energy.
 class Quality::Watch {
  public:
   explicit Watch(const Scene& scene) : scene_(scene) {}
@@ -217,7 +217,7 @@ class Quality::CliffWatch final : public Watch {
   int left_ = 0;
 };
 
-/// Heap and katamari: how high the pile is says whether it has come down.
+/// Heap and katamari: the pile's height shows whether it has come down.
 class Quality::HeapWatch final : public Watch {
  public:
   using Watch::Watch;
@@ -240,7 +240,7 @@ class Quality::HeapWatch final : public Watch {
   }
 };
 
-/// Scenes of joints: how well these hold, what energy comes and goes, and what falls asleep.
+/// Scenes of joints: gaps, change of energy, and sleep.
 class Quality::JointWatch final : public Watch {
  public:
   JointWatch(const Scene& scene, const Engine& engine)

@@ -18,19 +18,19 @@ using Measures = std::vector<std::pair<std::string, double>>;
 /// Kinetic energy (J) of the scene's moving bodies.
 double kinetic_energy(const Scene& scene, const Engine& engine);
 /// Kinetic and gravitational energy (J), zero height at the origin. Heights are taken half a
-/// substep back, which is when the velocity of x += h v is that of the motion: a free fall then
-/// keeps its energy to the last digit, and what changes in other scenes is the engine's doing.
+/// substep earlier, the time of the velocities in x += h v: a free fall then conserves energy
+/// exactly, and other changes are the engine's.
 double mechanical_energy(const Scene& scene, const Engine& engine);
 /// Distance (m) between the two anchors of each ball joint and hinge.
 std::vector<double> joint_separations(const Scene& scene, const Engine& engine);
-/// The largest of them, 0 where there is none.
+/// The largest of them, 0 if there is none.
 double joint_separation(const Scene& scene, const Engine& engine);
 
-/// What a scene's run is judged by, watched frame by frame and told at the end. Lengths in m,
-/// energies in J; "_end" at the last frame, "_max" over all frames, unless said.
+/// Measures of a scene's run, collected frame by frame. Lengths in m, energies in J; "_end" at the
+/// last frame, "_max" over all frames, unless stated otherwise.
 class Quality {
  public:
-  /// @param reference  where the chain's ball is in each frame (m), may be empty
+  /// @param reference  positions of the chain's ball per frame (m), may be empty
   Quality(const Scene& scene, const Engine& engine, std::vector<Vec3> reference);
   ~Quality();
   Quality(const Quality&) = delete;
@@ -57,7 +57,7 @@ class Quality {
   double max_kinetic_last_second_ = 0.0;
 };
 
-/// Lines "t x y z" -> positions. @throws std::runtime_error where the file cannot be read
+/// Lines "t x y z" -> positions. @throws std::runtime_error if the file cannot be read
 std::vector<Vec3> read_reference(const std::string& path);
 
 }  // namespace tandem::bench

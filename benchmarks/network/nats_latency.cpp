@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// How many messages of a session's size one NATS server passes on, and how late they are at a part
-// of that:
+// Throughput of one NATS server for messages of a session's size, and latency at a part of that:
 //
 //   nats_latency PORT [BYTES] [PART]
 //
-// Four connections say things to each other, as people do. First as fast as they can: what arrives
-// in a second is the server's saturation, with its clients on the same machine. Then at PART of it
-// (0.7), in bursts of a millisecond; late is from when a message was due to when it was handed
-// over.
+// Four connections exchange messages, as people do. First as fast as they can: messages received
+// per second are the server's saturation, with its clients on the same machine. Then at PART of it
+// (0.7), in bursts of a millisecond; latency is from a message's due time to its delivery.
 #include <nats/nats.h>
 
 #include <algorithm>
@@ -85,9 +83,9 @@ std::uint64_t heard(const Ends& ends) {
   return sum;
 }
 
-/// Messages a second that arrive while all say as much as they can.
+/// Messages received per second at maximum load.
 double saturation(Ends& ends, std::size_t bytes) {
-  // More under way, and the server would drop who is slow to take it.
+  // With more in flight the server would drop slow receivers.
   constexpr std::uint64_t kUnderWay = 20000;
   std::atomic<bool> stop = false;
   std::atomic<std::uint64_t> said = 0;
@@ -161,7 +159,7 @@ int main(int argc, char** argv) {
     check(natsConnection_Flush(end.connection), "flush");
   }
   const double most = saturation(ends, std::max(bytes, sizeof(std::int64_t)));
-  // What waits is passed on first.
+  // Drain queued messages first.
   for (std::uint64_t last = 0; last != heard(ends);) {
     last = heard(ends);
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -190,7 +188,7 @@ int main(int argc, char** argv) {
         "saturation %.0f messages/s of %zu bytes; at %.0f %%: p50 %.3f, p95 %.3f, p99 %.3f ms\n",
         most, bytes, 100.0 * load, at(0.5), at(0.95), at(0.99));
   }
-  // Libraries' threads may be handing over: the process ends as it is.
+  // Libraries' threads may still be delivering: exit without cleanup.
   std::fflush(stdout);
   std::_Exit(0);
 }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""The table of all runs, and what it comes to in words."""
+"""The table of all runs, and its findings in words."""
 import csv
 import statistics
 
@@ -63,7 +63,7 @@ def _short(value):
 
 
 def _write_medians(rows, scenes, losses, path):
-    """All cells of the page, and those of the measures that it leaves out."""
+    """All cells of the page, and those of omitted measures."""
     columns = ("scene", "loss", "measure", "moving_p50_mm", "resting_p50_mm", "all_p99_mm", "stable", "kbit_s")
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="") as file:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""One session: how it is run, and what came out of it."""
+"""One session: its run and its results."""
 import json
 import re
 import signal
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import tracks
 
-# s of session time: as long as the script has something to do.
+# s of session time: the length of the script.
 SECONDS = {"cubes": 20, "room": 40}
 PROGRAMS = ("proxy",)
 
@@ -61,7 +61,7 @@ def _run_udp(cell, binaries, folder):
                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True))
         for peer in peers:
             _, trouble = peer.communicate(timeout=SECONDS[cell.scene] + 60)
-            # 1 says that a world was not stable, which is a result.
+            # 1 means that a world was not stable, which is a result.
             if peer.returncode not in (0, 1):
                 raise RuntimeError(f"{cell.name}: {trouble.strip()}")
     finally:
@@ -81,7 +81,7 @@ def _run(cell, binaries, out):
     if not (folder / "a.json").exists():
         raise RuntimeError(f"{cell.name}: no result")
     if cell.kind == "udp":
-        # Both ends' own tracks say more than either end has heard of the other.
+        # Both ends' own tracks are more complete than either end's view of the other.
         (folder / "tracks.json").write_text(json.dumps(tracks.divergence(folder)))
         for name in ("a", "b"):
             for table in (folder / name).glob("*.csv"):
@@ -120,7 +120,7 @@ def _row(cell, measure, result, loss):
 
 
 def _lost(text):
-    """The share of all datagrams that the proxy took in and lost."""
+    """The share of all datagrams that the proxy lost."""
     taken = sum(int(n) for n in re.findall(r"(\d+) in,", text))
     lost = sum(int(n) for n in re.findall(r"(\d+) lost,", text))
     return lost / taken if taken else None

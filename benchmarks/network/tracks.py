@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Divergence from the tracks that both processes of a session have kept of their own bodies, as
-demos/measures/metrics.cpp and demos/session/track.cpp have it for peers of one process."""
+"""Divergence from the tracks that both processes of a session have recorded of their own bodies, by
+the rules of demos/measures/metrics.cpp and demos/session/track.cpp."""
 import bisect
 import csv
 import json
@@ -32,7 +32,7 @@ def _dot(a, b):
 
 
 def _between(before, after, time):
-    """Position and velocity between two samples: the cubic, or two lines where it was hit."""
+    """Position and velocity between two samples: the cubic, or two lines with an impact."""
     dt = 1e-9 * (after[0] - before[0])
     s = 1e-9 * (time - before[0]) / dt
     way = tuple(b - a for a, b in zip(before[1], after[1]))
@@ -65,7 +65,7 @@ def _percentiles(values):
 
 
 def divergence(folder):
-    """As a result of a demo has it, of what nobody owns."""
+    """In the form of a demo's result, for unowned bodies."""
     first, second = _load(folder, "a", 1), _load(folder, "b", 2)
     every, resting, moving = [], [], []
     for body, samples in first.items():

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// What the live view costs its program: bytes on the socket and CPU time of the server's thread,
+// Cost of the live view for its program: bytes on the socket and CPU time of the server's thread,
 // which encodes and sends, for balls that all move in every frame, and one page that reads them.
 //
-//   view_cost [BALLS [PANES [SECONDS]]]    1000 balls, 2 panes, 10 s where nothing is said
+//   view_cost [BALLS [PANES [SECONDS]]]    defaults: 1000 balls, 2 panes, 10 s
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kFramesPerSecond = 60.0;
 
-/// Every ball on a circle of its own, fast enough to be elsewhere in each frame.
+/// Every ball circles fast enough to move in each frame.
 void move(Frame& frame, double time) {
   frame.time = time;
   for (std::size_t p = 0; p < frame.panes.size(); ++p) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Bodies that touch nothing: falling, flying, spinning.
+// Bodies without contacts: falling, flying, spinning.
 #include "numerics/case.h"
 #include "numerics/track.h"
 
 namespace tandem::bench {
 namespace {
 
-/// Where the difference equation v += h g, x += h v leaves a body after `steps` steps.
+/// Position after `steps` steps of v += h g, x += h v.
 Vec3 discrete_fall(const Pose& start, const Vec3& velocity, double h, int steps) {
   const double n = steps;
   return start.position + n * h * velocity + Vec3(0.0, 0.0, -kGravity * h * h * n * (n + 1) / 2.0);
@@ -93,7 +93,7 @@ void fast_spin(Sheet& sheet, double speed) {
 /// A symmetric top on a ball joint at its tip.
 void heavy_top(Sheet& sheet) {
   Scene scene;
-  // Fast: (I3 w)^2 is 5 times 4 I1 m g h, so that it precesses and does not fall over.
+  // Fast: (I3 w)^2 is 5 times 4 I1 m g h, so that it precesses without falling over.
   const double tilt = 0.5;
   const double height = 0.3;
   const Quat q = pbd::exp_map(Vec3(tilt, 0.0, 0.0));
@@ -103,7 +103,7 @@ void heavy_top(Sheet& sheet) {
   scene.add_ball(-1, top, Vec3::Zero());
   const auto engine = sheet.make(scene);
   const double mass = scene.bodies[0].mass;
-  // About the tip: the moment of gravity has no part along the vertical, nor along the axis.
+  // About the tip: gravity's moment has no component along the vertical, nor along the axis.
   const auto momentum = [&](double& vertical, double& axial) {
     const pbd::BodyState s = engine->state(top);
     const Vec3 own = spin_momentum(scene, *engine, top);

@@ -11,7 +11,7 @@
 namespace tandem::bench {
 namespace {
 
-/// A plane through the origin that falls by `slope` (tangent) along +x.
+/// A plane through the origin with a gradient `slope` (tangent) down along +x.
 struct Incline {
   explicit Incline(double slope)
       : angle(std::atan(slope)),
@@ -95,9 +95,9 @@ void bounce(Sheet& sheet, double restitution) {
     const double speed = s.twist.linear.z();
     if (touched && last_speed < 0.0 && speed > 0.0) second = true;
     touched |= last_speed < -1.0 && speed > last_speed + 1.0;
-    // Between two frames: the height that its energy will carry it to.
+    // The apex is between frames: use the height that the energy corresponds to.
     if (touched && !second) {
-      // Velocities are those of the end of a substep, half of which lies behind the position's.
+      // Velocities belong to the end of a substep, half a substep later than positions.
       const double half_step = 0.5 * scene.dt / std::max(1, engine->stats().substeps);
       const double height = s.pose.position.z() - kRadius - half_step * speed;
       peak = std::max(peak, height + (speed > 0.0 ? 0.5 * speed * speed / kGravity : 0.0));
@@ -110,15 +110,15 @@ void bounce(Sheet& sheet, double restitution) {
   sheet.at_most("energy growth", energy.growth(), 1e-3, "of the total", "passive");
 }
 
-/// Balls of one mass on rods, side by side, of which the first are let go from an angle: as many
-/// leave at the other end.
+/// Equal balls on rods, side by side. The first ones are released from an angle: as many leave at
+/// the other end.
 struct Cradle {
   double radius = 0.1;  // m
   double rod = 1.0;     // m
   double gap = 0.0;     // m, between neighbours
   double angle = std::numbers::pi / 6.0;
   int lifted = 1;
-  double seconds = 0.9;  // down in a quarter of a period and up again, nearly to the top
+  double seconds = 0.9;  // down in a quarter of a period and nearly up again
 };
 
 void cradle(Sheet& sheet, const Cradle& c) {
@@ -145,7 +145,7 @@ void cradle(Sheet& sheet, const Cradle& c) {
       highest_middle = std::max(highest_middle, engine->state(i).pose.position.z());
     }
   });
-  // The end is before the top, so judge by energy: what the last ball has.
+  // The run ends before the apex, so compare the last ball's energy.
   const pbd::BodyState last = engine->state(kBalls - 1);
   const double reached = last.pose.position.z() + 0.5 * last.twist.linear.squaredNorm() / kGravity;
   const double height = c.rod * (1.0 - std::cos(c.angle));
@@ -156,7 +156,7 @@ void cradle(Sheet& sheet, const Cradle& c) {
   sheet.at_most("energy growth", energy.growth(), 1e-3, "of the total", "passive");
 }
 
-/// A ball of 5 cm meets a row of four on a smooth plane, each lighter than the one before: pairwise
+/// A ball of 5 cm hits a row of four on a smooth plane, each lighter than the one before: pairwise
 /// collisions.
 void unequal_row(Sheet& sheet) {
   constexpr double kRadius = 0.05;
@@ -180,7 +180,7 @@ void unequal_row(Sheet& sheet) {
   double speed = 2.0;
   double worst = 0.0;
   for (int i = 0; i < 5; ++i) {
-    // Of what arrives, the heavier one keeps (m - n) / (m + n).
+    // The heavier one keeps (m - n) / (m + n) of the arriving velocity.
     const double mass = kMasses[i];
     const double next = i < 4 ? kMasses[i + 1] : 0.0;
     const double kept = i < 4 ? speed * (mass - next) / (mass + next) : speed;

@@ -15,7 +15,7 @@ namespace {
 void pendulum(Sheet& sheet, double degrees) {
   Scene scene;
   const double angle = degrees * std::numbers::pi / 180.0;
-  const double length = 0.5;  // m, from the nail to the centre
+  const double length = 0.5;  // m, from the pivot to the centre
   const Quat q = pbd::exp_map(Vec3(0.0, -angle, 0.0));
   const int bob = scene.add(BoxShape{Vec3(0.02, 0.02, length)}, 1.0,
                             {.position = q * Vec3(0.0, 0.0, -length), .orientation = q});
@@ -84,7 +84,7 @@ void spring_scaled(Sheet& sheet) {
   }
 }
 
-/// One kilogram: the period falls below the step. Resolved = 40 substeps for each period.
+/// One kilogram: the period falls below the step. Resolved = 40 substeps per period.
 void spring_stiff(Sheet& sheet) {
   const double dt = Scene{}.dt;
   const double amplitude = 0.1;
@@ -117,8 +117,8 @@ double catenary_sag(double length, double span) {
   return low * (std::cosh(0.5 * span / low) - 1.0);
 }
 
-/// Fifty links between two nails, first along an arc; the harness takes 3 % of all speed away in
-/// each frame until they hang still.
+/// Fifty links between two pivots, starting along an arc; the harness removes 3 % of all speed per
+/// frame until they hang still.
 void rope(Sheet& sheet) {
   constexpr int kLinks = 50;
   constexpr double kLength = 0.1;

@@ -10,17 +10,17 @@
 
 #include "demos/engine/engine.h"
 
-/// Scenes with a known outcome: each case says what came out, what ought to, and how far off it may
-/// be. All at the engine's default setting.
+/// Scenes with a known outcome: each case gives its result, the reference and the bound. All at the
+/// engine's default setting.
 namespace tandem::bench {
 
-constexpr double kGravity = 9.81;  // m/s^2, down, of all cases that do not say otherwise
+constexpr double kGravity = 9.81;  // m/s^2, down, unless a case says otherwise
 
 /// One line of the table. It holds where error <= bound.
 struct Check {
   std::string measure;
   double value = 0.0;
-  double reference = 0.0;  ///< NaN where the bound says it all
+  double reference = 0.0;  ///< NaN if there is only a bound
   double error = 0.0;      ///< in the unit of the bound
   double bound = 0.0;
   std::string unit;
@@ -29,7 +29,7 @@ struct Check {
   bool holds() const { return error <= bound; }  // false for NaN
 };
 
-/// What a case works with: an engine to build scenes in, and the sheet it writes on.
+/// The engine of a case and its sheet of results.
 class Sheet {
  public:
   explicit Sheet(MakeEngine make) : make_(std::move(make)) {}
@@ -62,7 +62,7 @@ struct Case {
   std::string family;
   std::string name;
   std::function<void(Sheet&)> run;
-  bool tandem_only = false;  ///< asks for what only Tandem has
+  bool tandem_only = false;  ///< needs features that only Tandem has
 };
 
 std::vector<Case> analytic_cases();
@@ -79,13 +79,14 @@ std::vector<Case> all_cases();
 
 struct Outcome {
   std::vector<Check> checks;
-  std::string not_built;  ///< why the engine cannot run the case; empty where it did
+  std::string not_built;  ///< why the engine cannot run the case; empty if it can
 };
 
 /// @param make  null: the engine is absent
 Outcome run_case(const Case& which, const MakeEngine& make);
 
-/// Why a line of Tandem is known not to hold, empty where it ought to. The only list of exceptions.
+/// Reason why a line of Tandem is known to fail, empty if it must hold. The only list of
+/// exceptions.
 std::string_view known_failure(const std::string& name, const std::string& measure);
 /// The cases on that list.
 std::vector<std::string_view> known_cases();

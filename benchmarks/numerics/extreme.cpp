@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Far from the usual: very long and short steps, far from the origin, very fast spin, thin rods.
+// Extreme conditions: very long and short steps, far from the origin, very fast spin, thin rods.
 #include <algorithm>
 
 #include "numerics/case.h"
@@ -90,7 +90,7 @@ void very_fast_spin(Sheet& sheet) {
   sheet.at_most("way of the centre", moved, 1e-9, "m", "no force");
 }
 
-/// A ball that spins on the floor at 1e4 rad/s about an axis that lies: it shoots off by friction.
+/// A ball that spins on the floor at 1e4 rad/s about a horizontal axis: friction accelerates it.
 void spin_on_floor(Sheet& sheet) {
   Scene scene;
   scene.add_static(PlaneShape{});
@@ -103,7 +103,7 @@ void spin_on_floor(Sheet& sheet) {
     energy.after_frame(*engine);
     height = std::max(height, engine->state(ball).pose.position.z() - 0.1);
   });
-  // Friction alone pushes: mu g t after 10 s.
+  // Friction is the only force: mu g t after 10 s.
   sheet.relative("speed after 10 s, m/s", engine->state(ball).twist.linear.norm(),
                  0.5 * kGravity * 10.0, 0.01, "mu g t");
   sheet.at_most("height over the floor", height, 1e-3, "m", "no force upwards");

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Contacts far from the usual: bullets and thin walls, 1 mm beside 100 m, overlap at the start.
+// Contacts under extreme conditions: bullets and thin walls, 1 mm beside 100 m, overlap at the
+// start.
 #include <algorithm>
 
 #include "numerics/case.h"
@@ -30,7 +31,7 @@ void thin_wall(Sheet& sheet, const SceneShape& shape) {
   sheet.at_most("through the wall, of 20 shots", through, 0.0, "", "solid");
 }
 
-/// A stack of three cubes of 1 mm on a cube of 100 m, and one beside it on the ground.
+/// A stack of three 1 mm cubes on a cube of 100 m, and one beside it on the ground.
 void sizes(Sheet& sheet) {
   constexpr double kSmall = 1e-3;
   constexpr double kLarge = 100.0;
@@ -52,7 +53,7 @@ void sizes(Sheet& sheet) {
   });
   double worst = 0.0;
   for (int i = 2; i < static_cast<int>(scene.bodies.size()); ++i) {
-    // Against what carries it: the large cube's top, or the ground.
+    // Relative to the support: the large cube's top, or the ground.
     const double base = i < 5 ? engine->state(1).pose.position.z() - 0.5 * kLarge : 0.0;
     const Vec3 moved = engine->state(i).pose.position -
                        scene.bodies[static_cast<std::size_t>(i)].pose.position -
@@ -63,7 +64,7 @@ void sizes(Sheet& sheet) {
   sheet.at_most("speed in the last second", speed, 1e-3, "m/s", "at rest");
 }
 
-/// Two cubes of 1 m on the floor whose centres are `distance` apart at the start.
+/// Two 1 m cubes on the floor with centres `distance` apart at the start.
 void overlap(Sheet& sheet, double distance) {
   Scene scene;
   scene.add_static(PlaneShape{});

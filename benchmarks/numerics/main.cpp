@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The numerics set as one table: what came out, what ought to, and whether the bound holds, for
-// Tandem and, where the case can be built there, for the other engines that this build has.
+// The numerics set as one table: result, reference and bound for Tandem and, where they can run the
+// case, for the other engines of this build.
 //   numerics [--csv FILE] [--only TEXT] [--engine tandem|bullet64|jolt|...] [--list]
-// Exit code 1 where a line of Tandem does not hold that is not known to.
+// Exit code 1 if a line of Tandem fails that is not known to.
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -46,7 +46,6 @@ std::string text(double value) {
   return buffer;
 }
 
-/// One line of the CSV and one of the table.
 class Table {
  public:
   explicit Table(const std::string& csv) {

@@ -11,13 +11,13 @@
 namespace tandem::bench {
 namespace {
 
-/// Angle (rad) by which the body's x axis is turned about the world's -y axis: from x towards z.
+/// Rotation (rad) of the body's x axis about the world's -y axis: from x towards z.
 double angle_of(const Engine& engine, int body) {
   const Vec3 x = engine.state(body).pose.orientation * Vec3::UnitX();
   return std::atan2(x.z(), x.x());
 }
 
-/// Adds a bar in the plane y = 0 whose ends are `from` and `to`.
+/// Adds a bar in the plane y = 0 with ends `from` and `to`.
 int add_bar(Scene& scene, const Vec3& from, const Vec3& to, double mass) {
   const Vec3 along = to - from;
   const double angle = std::atan2(along.z(), along.x());
@@ -28,7 +28,7 @@ int add_bar(Scene& scene, const Vec3& from, const Vec3& to, double mass) {
   return bar;
 }
 
-/// A crank of 0.3 m turns once in a second and drives a block along x by a rod of 1 m.
+/// A crank of 0.3 m turns once per second and drives a block along x by a rod of 1 m.
 void slider_crank(Sheet& sheet) {
   constexpr double kCrank = 0.3;
   constexpr double kRod = 1.0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Piles that are hard to build, after samples of Box3D: they start with gaps, with overlap, without
-// side gaps, or have the heavy above the light.
+// Difficult piles after samples of Box3D: with gaps or overlap at the start, without side gaps, or
+// with heavy boxes above light ones.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -18,10 +18,10 @@ namespace tandem::bench {
 namespace {
 
 constexpr double kFriction = 0.6;
-/// s: from here on overlaps count; some scenes begin with them.
+/// s: overlaps count from here; some scenes start with them.
 constexpr double kSettled = 0.5;
 
-/// Ground, and boxes to be added in some order.
+/// Ground, and boxes to add in some order.
 struct Pile {
   Scene scene;
   std::vector<SceneBody> boxes;
@@ -40,11 +40,11 @@ struct Pile {
 };
 
 struct Stand {
-  double overlap = 0.0;  ///< m, largest once settled
-  double drift = 0.0;    ///< m, largest sideways
+  double overlap = 0.0;  ///< m, maximum once settled
+  double drift = 0.0;    ///< m, maximum sideways
 };
 
-/// @param order  0 as they were added, else a seed to shuffle by
+/// @param order  0 as listed, otherwise the seed of a shuffle
 Stand stand(const Sheet& sheet, const Pile& pile, int order) {
   Scene scene = pile.scene;
   std::vector<std::size_t> turn(pile.boxes.size());
@@ -71,7 +71,7 @@ Stand stand(const Sheet& sheet, const Pile& pile, int order) {
   return result;
 }
 
-/// Stands in the order it was built and in shuffled ones.
+/// Checks that it stands in the listed order and in shuffled ones.
 void check(Sheet& sheet, const Pile& pile, double thickness, double drift, int orders) {
   Stand worst;
   for (int order = 0; order < orders; ++order) {
@@ -100,7 +100,7 @@ void bars(Sheet& sheet) {
   check(sheet, pile, 2.0 * kThin, 0.05, 10);
 }
 
-/// Boxes of the half extent e in rows, side by side.
+/// Boxes of half extent e in rows, side by side.
 Pile close_pyramid(int rows, double e) {
   Pile pile;
   for (int i = 0; i < rows; ++i) {
@@ -112,7 +112,7 @@ Pile close_pyramid(int rows, double e) {
   return pile;
 }
 
-/// Three pyramids of boxes of 8 kg, and on each from 2 m a box of 100, 200 and 300 times that.
+/// Three pyramids of 8 kg boxes; on each a box of 100, 200 or 300 times that mass falls from 2 m.
 void heavy_on_light(Sheet& sheet) {
   Pile pile;
   for (int k = 0; k < 3; ++k) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Input that makes no sense is refused with a message that names the field and its value.
+// Invalid input is refused with a message that names field and value.
 #include <limits>
 #include <stdexcept>
 
@@ -34,7 +34,7 @@ void add_shape(World& world, const collision::Shape& shape) {
 
 void add_mass(World& world, double mass) { world.bodies.add_body({.mass = mass}); }
 
-/// A cube of triangles whose fronts look inwards.
+/// A cube of triangles that face inwards.
 collision::Mesh inverted_cube() {
   std::vector<Vec3> v;
   for (int i = 0; i < 8; ++i) v.emplace_back(i & 1, (i >> 1) & 1, (i >> 2) & 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Scenes that ask much of a solver: mass ratios, long chains, high stacks, contradictions.
+// Hard scenes for a solver: mass ratios, long chains, high stacks, contradictions.
 #include <algorithm>
 #include <numbers>
 
@@ -16,11 +16,11 @@ constexpr double kLink = 0.2;  // m
 struct Chain {
   int links;
   double end_mass;  ///< kg; a link has 1 kg
-  double angle;     ///< rad from the vertical: below a right angle it swings and stays taut
+  double angle;     ///< rad from the vertical: below a right angle it stays taut
   double compliance = 0.0;
 };
 
-/// A straight chain with a ball at its end, let go at an angle.
+/// A straight chain with a ball at its end, released at an angle.
 Scene chain_scene(const Chain& chain) {
   constexpr double kRadius = 0.05;
   Scene scene;
@@ -43,7 +43,7 @@ Scene chain_scene(const Chain& chain) {
 void run_chain(Sheet& sheet, const Chain& chain) {
   const Scene scene = chain_scene(chain);
   const auto engine = sheet.make(scene);
-  // The unit is M g L: with the floor one length of the chain below where it starts.
+  // The unit is M g L: with the floor one length of the chain below the start.
   const double start = mechanical_energy(scene, *engine);
   EnergyWatch energy(scene, *engine, start - energy_at_height(scene, chain.links * kLink));
   double separation = 0.0;
@@ -57,7 +57,7 @@ void run_chain(Sheet& sheet, const Chain& chain) {
   sheet.at_most("energy growth", energy.growth(), 1e-3, "of M g L", "passive");
 }
 
-/// One ball, nailed to two places 2 m apart.
+/// One ball, fixed to two points 2 m apart.
 void contradiction(Sheet& sheet) {
   Scene scene;
   const int ball = scene.add(SphereShape{0.5}, 1.0, at(0.3, 0.0, 0.0));
@@ -97,7 +97,7 @@ void piles_stand(Sheet& sheet, const Scene& scene, double bound_mm) {
   for (int i = 1; i < static_cast<int>(scene.bodies.size()); ++i) {
     const Vec3 moved =
         engine->state(i).pose.position - scene.bodies[static_cast<std::size_t>(i)].pose.position;
-    // A cube that lies where it stood, a metre lower, has not stood.
+    // A cube at the same place a metre lower has not stood.
     const double now = std::abs(moved.z()) > 0.5 ? HUGE_VAL : horizontal_drift(scene, *engine, i);
     drift = std::isnan(now) ? HUGE_VAL : std::max(drift, now);
   }

@@ -11,7 +11,7 @@
 #include "measure/quality.h"
 #include "tandem/pbd/math.h"
 
-/// What several cases watch while a scene runs, and the independent references.
+/// Shared measures of the cases, and the independent references.
 namespace tandem::bench {
 
 /// Calls `watch(time at the end of the frame)` after each frame.
@@ -23,10 +23,10 @@ inline void run_scene(const Scene& scene, Engine& engine,
   }
 }
 
-/// Follows the energy of a passive scene, counted from the floor: where nothing can lie lower.
+/// Energy of a passive scene, relative to the floor, its lowest possible value.
 class EnergyWatch {
  public:
-  /// @param floor  J, the least potential energy that the scene can have
+  /// @param floor  J, the scene's minimum of potential energy
   EnergyWatch(const Scene& scene, const Engine& engine, double floor)
       : scene_(scene), start_(mechanical_energy(scene, engine)), total_(start_ - floor) {}
   void after_frame(const Engine& engine) {
@@ -35,8 +35,8 @@ class EnergyWatch {
     growth_ = std::isnan(change) ? change : std::max(growth_, change);
     drift_ = std::isnan(change) ? change : std::max(drift_, std::abs(change));
   }
-  double growth() const { return growth_; }  ///< largest gain over the start, of the total
-  double drift() const { return drift_; }    ///< largest change either way, of the total
+  double growth() const { return growth_; }  ///< largest gain over the start, relative to the total
+  double drift() const { return drift_; }    ///< largest change either way, relative to the total
 
  private:
   const Scene& scene_;
@@ -46,7 +46,7 @@ class EnergyWatch {
   double drift_ = 0.0;
 };
 
-/// Potential energy (J) of the scene if every moving body had the height `z` (m) at its centre.
+/// Potential energy (J) of the scene with all moving bodies' centres at height `z` (m).
 inline double energy_at_height(const Scene& scene, double z) {
   double mass = 0.0;
   for (const SceneBody& body : scene.bodies) {
@@ -76,7 +76,7 @@ inline double elliptic_k(double k) {
 }
 
 /// Period (s) of a symmetric signal about 0 sampled each dt: twice the time between its crossings,
-/// interpolated. 0 where there are fewer than two.
+/// interpolated. 0 with fewer than two.
 inline double crossing_period(const std::vector<double>& x, double dt) {
   std::vector<double> times;
   for (std::size_t i = 1; i < x.size(); ++i) {
@@ -88,8 +88,8 @@ inline double crossing_period(const std::vector<double>& x, double dt) {
   return 2.0 * (times.back() - times.front()) / static_cast<double>(times.size() - 1);
 }
 
-/// Period (s) of a damped sinusoid, sampled more often than twice in each: least squares on
-/// x[n+1] = c x[n] - d x[n-1] (Prony's method). 0 where it does not oscillate.
+/// Period (s) of a damped sinusoid, with more than two samples per period: least squares on x[n+1]
+/// = c x[n] - d x[n-1] (Prony's method). 0 if it does not oscillate.
 inline double sinusoid_period(const std::vector<double>& x, double dt) {
   double s11 = 0.0, s12 = 0.0, s22 = 0.0, r1 = 0.0, r2 = 0.0;
   for (std::size_t i = 1; i + 1 < x.size(); ++i) {
@@ -107,7 +107,7 @@ inline double sinusoid_period(const std::vector<double>& x, double dt) {
   return 2.0 * std::numbers::pi * dt / std::acos(cosine);
 }
 
-/// Largest horizontal distance (m) of body `i` from where it started.
+/// Largest horizontal distance (m) of body `i` from its start.
 inline double horizontal_drift(const Scene& scene, const Engine& engine, int i) {
   return (engine.state(i).pose.position - scene.bodies[static_cast<std::size_t>(i)].pose.position)
       .head<2>()

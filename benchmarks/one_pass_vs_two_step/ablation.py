@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""What each part of the agreement is worth: one run without it for each."""
+"""The effect of each part of the agreement: one run without each."""
 import math
 import statistics
 from pathlib import Path
@@ -15,7 +15,7 @@ MOST_SEEDS = {"cliff": 1}
 SEEDS = 4
 KEYS = ["scenario", "part", "profile", "seed", "seconds"]
 WHOLE = "-"
-# Name of --ablate, and what the run does without.
+# Name of --ablate, and the effect of omission.
 PARTS = {
     "channels": "the displacement channel: corrections become velocity",
     "velocities": "agreement of velocities",
@@ -26,7 +26,7 @@ PARTS = {
 MEASURES = {"moving_p50_mm": "moving p50", "all_p95_mm": "all p95", "overlap_p99_mm": "overlap p99",
             "overlap_max_mm": "overlap max", "correction_p99_mm": "correction p99",
             "jerk_rms": "jerk", "peak_speed_m_s": "peak speed"}
-# What counts as equal: m/s3, m/s; else mm:
+# Differences that count as equal: m/s3, m/s; else mm:
 EQUAL = {"jerk_rms": 0.0, "peak_speed_m_s": 0.01}
 EQUAL_LENGTH = 0.1
 
@@ -55,8 +55,8 @@ def measure(binaries: Path, results: Path, seeds: int, jobs: int, quick: bool) -
 
 
 def _effect(rows, part, cell, measure):
-    """Without the part over with it, by seeds: geometric mean and its 95 % interval; None where it
-    cannot be said, infinity where a run without it was not stable."""
+    """The value without the part over that with it, by seeds: geometric mean and its 95 % interval; None if undefined,
+    infinity if a run without it was not stable."""
     of = {r["seed"]: r for r in rows if r["part"] == WHOLE and (r["scenario"], r["profile"]) == cell}
     ratios = []
     for r in rows:
@@ -88,14 +88,14 @@ def _effects(rows):
 
 
 def _energy(rows, part):
-    """J, what agreement put into velocities in a run: median over runs of all scenes but cliff."""
+    """J, energy that agreement added to velocities in a run: median over runs of all scenes but cliff."""
     found = [sum(demo_runs.number(r, f"e_{k}_J") or 0.0 for k in ("displacement", "velocity"))
              for r in rows if r["part"] == part and r["scenario"] != "cliff"]
     return stats.short(statistics.median(found)) if found else "-"
 
 
 def _summary(effects, part, measure):
-    """Geometric mean over cells, in how many it is worse and in how many better without."""
+    """Geometric mean over cells, and in how many it is worse and better without."""
     found = [e for (p, _, m), e in effects.items() if p == part and m == measure]
     if not found:
         return "-"
@@ -109,7 +109,7 @@ def _summary(effects, part, measure):
 
 
 def _matters(effects, part, measure):
-    """Whether a part makes a difference beyond the interval in any cell."""
+    """True if a part makes a difference beyond the interval in any cell."""
     return any(e[1] > 1.0 or e[2] < 1.0 for (p, _, m), e in effects.items() if p == part and m == measure)
 
 

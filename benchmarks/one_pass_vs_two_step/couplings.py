@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Couplings beside each other on the same scenes, links, inputs and shares."""
+"""Couplings compared with the same scenes, links, inputs and shares."""
 import math
 import statistics
 from collections import defaultdict
@@ -13,7 +13,7 @@ NAME = "couplings.csv"
 KEYS = ["scenario", "scheme", "profile", "seed", "seconds"]
 SECONDS = {"cubes": 20, "room": 40, "piano": 22, "cliff": 6}
 MOST_SEEDS = {"cliff": 1}  # a thousand bodies are many samples
-# Name, options, and its description.
+# Name, options and description.
 SCHEMES = {
     "one-pass": ([], "the default, targets in the solver's pass"),
     "two-step": (["--coupling", "two-step"], "the same targets and rules, averaged before the step"),
@@ -88,8 +88,8 @@ def _text(rows, column):
 
 
 def _compare(runs_of, ours, theirs):
-    """By measure: geometric mean of their ratio to ours, and in how many cells we are better, nobody is, and
-    they are, beyond the seeds' interval."""
+    """By measure: geometric mean of their ratio to ours, and the numbers of cells in which we are better, equal and
+    worse, beyond the seeds' interval."""
     found = {}
     for name in COMPARED:
         column = MEASURES[name]
@@ -106,7 +106,7 @@ def _compare(runs_of, ours, theirs):
                 if mean is None:
                     continue
                 logs.append(mean)
-                half = half if half is not None else 0.1  # one seed: a tenth counts as nothing
+                half = half if half is not None else 0.1  # one seed: up to a tenth counts as equal
                 better += mean + half < 0.0
                 worse += mean - half > 0.0
                 equal += abs(mean) <= half

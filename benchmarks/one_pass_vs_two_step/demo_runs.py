@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Runs of the demos for the sections: what users do is recorded with the default coupling and done
-again by all others; one line of a CSV for each run."""
+"""Runs of the demos for the sections: users' inputs are recorded with the default coupling and replayed with all
+others; one line of a CSV per run."""
 import csv
 import json
 import subprocess
@@ -39,7 +39,7 @@ def seeds(count):
 
 
 def has_bullet(binaries):
-    """Whether the demos were built with Bullet as an engine of their own."""
+    """True if the demos were built with Bullet."""
     tried = subprocess.run([str(binaries / "cubes"), "--print", "nothing", "--seconds", "0.1", "--engines",
                             "bullet"], capture_output=True, check=False, text=True)
     return "--engines" not in tried.stderr
@@ -74,7 +74,7 @@ def _run(binaries, folder, cell, keys):
         text = Path(out.name).read_text()
     row = {k: str(cell[k]) for k in keys}
     if not text:
-        # 1: it broke on the way, as where numbers run away. Anything else is asked for wrongly.
+        # 1: the run failed, as by a state that is not finite. Other codes are errors of the call.
         if done.returncode != 1:
             raise RuntimeError(f"{cell}: {done.stderr.strip()}")
         return row | dict.fromkeys(COLUMNS) | {"stable": 0}
@@ -94,8 +94,8 @@ def read(path):
 
 
 def measure(path, cells, keys, binaries, jobs):
-    """Run the cells (dicts with scenario, profile, seed, seconds, options and all of `keys`) that
-    the CSV at `path` does not have yet; start again where a program is newer than it."""
+    """Runs the cells (dicts with scenario, profile, seed, seconds, options and all of `keys`) that are missing from the
+    CSV at `path`; starts again if a program is newer."""
     newest = max((binaries / c["scenario"]).stat().st_mtime for c in cells)
     rows = read(path) if path.exists() and path.stat().st_mtime >= newest else []
     have = {tuple(r[k] for k in keys) for r in rows}
@@ -116,7 +116,7 @@ def measure(path, cells, keys, binaries, jobs):
 
 
 def number(row, column):
-    """A float, or None where there is none."""
+    """A float, or None if it is missing."""
     text = row.get(column)
     return float(text) if text not in (None, "") else None
 

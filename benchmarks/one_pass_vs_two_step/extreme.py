@@ -20,7 +20,7 @@ LINK_OF_TOPOLOGY = "3"
 
 
 def _commands(program, seeds, quick):
-    """What to run."""
+    """Commands to run."""
     for group in GROUPS:
         base = [str(program), "--group", group]
         for scheme in SCHEMES:
@@ -47,7 +47,7 @@ def measure(binaries, results, seeds, jobs, quick):
     def run(command):
         return subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True).stdout
 
-    # Alone, since it is about time.
+    # Alone, since it measures time.
     costs = run([str(program), "--cost"])
     commands = list(_commands(program, seeds, quick))
     with ThreadPoolExecutor(jobs) as pool:
@@ -79,8 +79,8 @@ def _row(what, measured, bound, holds):
 
 
 def _excess(rows):
-    """By scheme, the case in which kinetic energy exceeds the work done by most of it. The account's
-    error, which shows without any agreement, is taken off."""
+    """By scheme, the case with the largest excess of kinetic energy over the work done. The account's error, measured
+    without agreement, is subtracted."""
     error = {}
     for r in rows:
         if r["scheme"] == "none":
@@ -91,7 +91,7 @@ def _excess(rows):
         if r["scheme"] == "none" or r["group"] == "topology":
             continue
         over = float(r["excess_J"]) - error.get((r["scene"], r["link"]), 0.0)
-        # Work that two steps have undone by pushing bodies into things is none to measure by.
+        # Work that two steps undo by pushing bodies into others is no scale.
         scale = max(abs(float(r["work_J"])), float(r["kinetic_J"]), 0.1)
         if over / scale > worst.get(r["scheme"], (0.0,))[0]:
             worst[r["scheme"]] = over / scale, r["scene"], r["link"]
@@ -174,8 +174,8 @@ def _scenes(rows):
 
 
 def _loses(rows):
-    """Scenes at profile 5 where one pass ends further apart than what it is compared with. Where
-    geometry differs, to be closer is to be inside of something."""
+    """Scenes at profile 5 in which one pass ends farther apart than the compared scheme. With different geometry, being
+    closer means penetration."""
     near = [r for r in rows if r["group"] in GROUPS and r["link"] == FAR and float(r["share"]) == 0
             and r["group"] != "geometry"]
     found = {}
@@ -189,7 +189,7 @@ def _loses(rows):
 
 
 def _settled(rows, scene, peers, column, scheme="one-pass"):
-    """Frames until copies in a row are together for good."""
+    """Frames until copies in a row agree for good."""
     return ["never" if v < 0 else f"{v:.0f}"
             for v in _numbers(rows, column, group="topology", scene=scene, peers=str(peers), scheme=scheme)][:1]
 
@@ -203,7 +203,7 @@ def _topology(rows):
             name = scene.replace("mesh", topology)
             cells = []
             for n in peers:
-                # Two peers are a mesh, a star and a ring.
+                # With two peers a mesh, a star and a ring are the same.
                 at = name if n > 2 else scene
                 both = [" / ".join(_settled(rows, at, n, "percent_frames", s)
                                    + _settled(rows, at, n, "millimetre_frames", s)) for s in ("one-pass", "two-step")]
@@ -213,7 +213,7 @@ def _topology(rows):
 
 
 def _box(rows):
-    """In a sentence, how peers in a row settle a box."""
+    """A sentence on how peers in a row settle a box."""
     most = max((int(r["peers"]) for r in rows if r["group"] == "topology"), default=0)
     frames = {t: _settled(rows, f"box on a floor, 10 cm, {t}", most, "millimetre_frames")
               for t in ("mesh", "star", "ring")}

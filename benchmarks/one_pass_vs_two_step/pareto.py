@@ -22,7 +22,7 @@ SCHEMES = ("one-pass", "two-step", "two-step-paper")
 PAIRS = (("one-pass", "two-step"), ("one-pass", "two-step-paper"), ("one-pass", "bullet"))
 ERRORS = {"moving_p50_mm": "moving p50", "all_p95_mm": "all p95",
           "overlap_p99_mm": "overlap p99", "overlap_max_mm": "overlap max"}
-EQUAL = 0.1  # mm: a smaller difference is none
+EQUAL = 0.1  # mm: smaller differences count as equal
 
 
 def _settings(scenario, scheme):
@@ -62,13 +62,13 @@ def measure(binaries: Path, results: Path, seeds: int, jobs: int, quick: bool) -
 
 
 def _unstable(row):
-    # Of Bullet's undisturbed stacks of cubes none stands to the demo's 5 mm, with or without peers.
+    # None of Bullet's undisturbed stacks of cubes meets the demo's 5 mm, with or without peers.
     return row["stable"] != "1" and (row["scheme"], row["scenario"]) != ("bullet", "cubes")
 
 
 class Front:
-    """Settings of one scheme in one cell: time and error by seed. Those that are not stable with
-    each seed are left out."""
+    """Settings of one scheme in one cell: time and error by seed. Settings that are unstable with any seed are left
+    out."""
 
     def __init__(self, rows, scheme, error):
         self.points = {}
@@ -94,14 +94,14 @@ class Front:
         return max(t for t, _ in self.points.values())
 
     def best(self, budget):
-        """Errors by seed of the setting that is best on average, of those within the budget."""
+        """Errors by seed of the setting within the budget that is best on average."""
         within = [e for t, e in self.points.values() if t <= budget * (1 + 1e-9)]
         return min(within, key=lambda e: statistics.fmean(e.values())) if within else None
 
 def verdict(rows, ours, theirs, error, budgets=9):
-    """Their best error over ours at equal time: geometric mean over budgets and seeds, and the ends
-    of its 95 % interval over seeds; infinite where they have no stable setting, 0 where we have
-    none; None where there is nothing to compare."""
+    """Their best error over ours at equal time: geometric mean over budgets and seeds, and the ends of its 95 %
+    interval over seeds; infinite if they have no stable setting, 0 if we have none; None if there is nothing to
+    compare."""
     a, b = Front(rows, ours, error), Front(rows, theirs, error)
     said = any(demo_runs.number(r, error) is not None for r in rows)
     if not said or not (a.points or a.lost) or not (b.points or b.lost):
@@ -179,7 +179,7 @@ def _rate(rows, scheme):
 
 
 def _beside_bullet(found):
-    """How often one pass has less, and more, than two steps in front of Bullet."""
+    """How often one pass has less, and more error than two steps before Bullet."""
     texts = []
     for name, errors in (("divergence", ("moving_p50_mm", "all_p95_mm")),
                          ("overlap", ("overlap_p99_mm", "overlap_max_mm"))):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Which shares are stable at which delay, and how fast a disagreement is gone there."""
+"""Stable shares by delay, and how fast a disagreement decays there."""
 import csv
 import statistics
 import subprocess
@@ -36,12 +36,12 @@ def measure(binaries, results, _seeds, jobs, _quick):
 
 
 def _even(row):
-    """The same delay both ways, and nothing lost."""
+    """The same delay both ways, without loss."""
     return row["delay_frames"] == row["delay_back_frames"] and float(row["loss"]) == 0.0
 
 
 def _uneven(rows):
-    """Stable cases by link and scheme, where ways differ or packets are lost: a table, and sums by scheme."""
+    """Stable cases by link and scheme, for asymmetric or lossy links: a table, and sums by scheme."""
     links = list(dict.fromkeys((r["delay_frames"], r["delay_back_frames"], r["loss"])
                                for r in rows if not _even(r)))
     lines, sums = [], {}

@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Box3D as its samples run it: four substeps, soft contacts, warm start, contact recycling,
-// continuous collision with what is fixed, with as many workers of its own as threads are asked
-// for. Never asleep unless asked and without damping, as all engines here.
+// continuous collision with static bodies, with its own workers for the given number of threads.
+// Like all engines here undamped, and never asleep unless asked.
 #include <box3d/box3d.h>
 #include <box3d/collision.h>
 
@@ -20,7 +20,7 @@ namespace tandem::bench {
 namespace {
 
 constexpr int kSamplesSubsteps = 4;
-/// m, half the size of the slab that stands for a plane, which Box3D has not.
+/// m, half extent of the slab that replaces a plane, which Box3D lacks.
 constexpr float kPlaneHalf = 200.0f;
 
 b3Vec3 b3(const Vec3& v) {
@@ -43,7 +43,7 @@ class Box3dEngine final : public Engine {
  public:
   Box3dEngine(const Scene& scene, const Settings& settings)
       : substeps_(settings.substeps.value_or(kSamplesSubsteps)) {
-    // What it says, as of hulls that it refuses, goes where it does not mix with results.
+    // Its messages, such as refused hulls, must not mix with results.
     b3SetLogFcn([](const char* message) { std::fprintf(stderr, "box3d: %s\n", message); });
     b3WorldDef def = b3DefaultWorldDef();
     def.gravity = b3(scene.gravity);
@@ -109,7 +109,7 @@ class Box3dEngine final : public Engine {
           {0.0f, 0.0f, -half}, {0.0f, 0.0f, half}, static_cast<float>(s.radius)};
       b3CreateCapsuleShape(body, &def, &capsule);
     }
-    /// A prism of 24 sides: Box3D has no round one.
+    /// A prism of 24 sides: Box3D has no cylinder.
     void operator()(const CylinderShape& s) const {
       std::vector<Vec3> corners;
       for (int i = 0; i < 24; ++i) {
@@ -149,7 +149,7 @@ class Box3dEngine final : public Engine {
       for (const Vec3& corner : corners) points.push_back(b3(corner));
       const int count = static_cast<int>(points.size());
       b3HullData* hull = b3CreateHull(points.data(), count, count);
-      // It refuses more than 128 edges, which no hull of 44 corners has.
+      // It refuses more than 128 edges; a hull of 44 corners has fewer.
       if (hull == nullptr) hull = b3CreateHull(points.data(), count, 44);
       if (hull == nullptr) throw std::invalid_argument("box3d: it refuses this hull");
       b3CreateHullShape(body, &def, hull);
@@ -174,7 +174,7 @@ class Box3dEngine final : public Engine {
     const b3BodyId made = b3CreateBody(world_, &def);
     bodies_.push_back(made);
     b3ShapeDef shape = b3DefaultShapeDef();
-    // Of a pair Box3D takes the geometric mean of friction, the larger restitution.
+    // Box3D takes a pair's geometric mean of friction and the larger restitution.
     shape.baseMaterial.friction = static_cast<float>(body.friction);
     shape.baseMaterial.restitution = static_cast<float>(body.restitution);
     if (!body.collides) shape.filter = {.categoryBits = 0, .maskBits = 0, .groupIndex = 0};
@@ -190,7 +190,7 @@ class Box3dEngine final : public Engine {
   }
 
   void add_joint(const SceneJoint& joint) {
-    // What drives without a bound is none of its floats.
+    // An unbounded drive has no value in its floats.
     if (joint.driven && !std::isfinite(joint.max_torque)) {
       throw std::invalid_argument("box3d: no motor of unlimited torque");
     }
@@ -205,7 +205,7 @@ class Box3dEngine final : public Engine {
     def.enableTwistLimit = joint.limited;
     def.lowerTwistAngle = static_cast<float>(joint.lower);
     def.upperTwistAngle = static_cast<float>(joint.upper);
-    // As its samples make friction: a motor that holds still.
+    // Its samples make friction of a motor with speed 0.
     def.enableMotor = joint.friction > 0.0;
     def.maxMotorTorque = static_cast<float>(joint.friction);
     b3CreateSphericalJoint(world_, &def);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Error and time of every engine that was measured, at its default setting: one row for each scene.
+"""Error and time of every measured engine at its default setting: one row per scene.
 
     python3 benchmarks/peers/chart.py benchmarks/data/peers.csv docs
 """
@@ -21,7 +21,7 @@ STYLE = {"tandem": ("#c0392b", "o", 9), "bullet64": ("#1f5fa8", "s", 6), "bullet
 
 
 def draw(points, out):
-    """@return the file, or nothing where no scene was measured"""
+    """@return the file, or nothing if no scene was measured"""
     scenes = [scene for scene in results.ERRORS if results.default_of(points, "tandem", scene)]
     if not scenes:
         return None

@@ -10,7 +10,7 @@
 
 namespace tandem::bench {
 
-/// The engines that this build has, Tandem first.
+/// The engines of this build, Tandem first.
 std::vector<std::pair<std::string, MakeEngine>> built_engines();
 
 }  // namespace tandem::bench

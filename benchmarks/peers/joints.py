@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""The section on scenes of joints of docs/numerics.md, from what `run.py --joints` wrote.
+"""The section of docs/numerics.md on scenes of joints, from the output of `run.py --joints`.
 
     python3 benchmarks/peers/joints.py results/joints.csv
 """
@@ -56,7 +56,7 @@ def short(value):
 
 
 def two(value):
-    """Two digits, without an exponent where that reads well."""
+    """Two digits, without an exponent if readable."""
     return f"{float(f'{value:.2g}'):g}"
 
 
@@ -90,7 +90,7 @@ def rest(rows, _):
     return f"{asleep:.0f}{last}; {short(median(rows, 'lowest_end'))}"
 
 
-# Name, title, what a cell says.
+# Name, title, contents of a cell.
 TABLES = (
     ("joints_time", "Processor time of a frame, ms: median (Tandem's over it); 99 %; largest:", time),
     ("joints_steadiness", "First frame over median; frames above four medians, from the third; most substeps:",
@@ -145,7 +145,7 @@ def overview(found):
 
 
 def folder_of(results):
-    """The runs of today, else those that are kept."""
+    """Today's runs, otherwise the stored ones."""
     return results if (results / "joints.csv").exists() else DATA
 
 
@@ -165,7 +165,7 @@ def findings(results):
 
 
 def section(results):
-    """@param results  folder that has joints.csv where the scenes were run with the rest
+    """@param results  folder with joints.csv if the scenes were run
     @return lines of Markdown"""
     found = read(folder_of(results) / "joints.csv")
     machine = json.loads((DATA / "joints.json").read_text())

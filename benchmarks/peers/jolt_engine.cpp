@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Jolt with its defaults (one collision step, 10 velocity and 2 position steps, Baumgarte 0.2,
-// penetration slop 20 mm, boxes rounded by 50 mm, body pair cache), one thread; never asleep unless
-// asked and without damping, as all engines here.
+// penetration slop 20 mm, boxes rounded by 50 mm, body pair cache), one thread. Like all engines
+// here undamped, and never asleep unless asked.
 #include <cmath>
 #include <stdexcept>
 
@@ -106,13 +106,13 @@ class JoltEngine final : public Engine {
 
  private:
   void add_joint(const Scene& scene, const SceneJoint& joint) {
-    // What drives without a bound is none of its floats.
+    // An unbounded drive has no value in its floats.
     const bool unlimited = joint.driven && !std::isfinite(joint.max_torque);
     const bool hinge = joint.kind == JointKind::Hinge;
     if (unlimited || (!hinge && joint.kind != JointKind::Ball) || joint.compliance > 0.0) {
       throw std::invalid_argument("jolt: this adapter has rigid ball joints and hinges only");
     }
-    // Jolt's own joints never keep their bodies apart.
+    // Jolt's own joints do not disable contacts between their bodies.
     if (!joint.touch && joint.a >= 0) world_.set_apart(joint.a, joint.b);
     if (!hinge && !joint.limited && !std::isfinite(joint.cone) && joint.friction == 0.0) {
       world_.add_ball(joint.a, plain(joint.anchor_a_l), joint.b, plain(joint.anchor_b_l));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 #include <Jolt/Jolt.h>
-// First of Jolt's headers, as it wants.
+// Must be the first of Jolt's headers.
 #include <Jolt/Core/Factory.h>
 #include <Jolt/Core/JobSystemSingleThreaded.h>
 #include <Jolt/Core/TempAllocator.h>
@@ -45,7 +45,7 @@ Vector from(JPH::Vec3Arg v) { return {double(v.GetX()), double(v.GetY()), double
 
 }  // namespace
 
-/// As in Jolt's samples: what is fixed in one tree, what moves in the other.
+/// As in Jolt's samples: static bodies in one tree, moving ones in the other.
 class Layers final : public JPH::BroadPhaseLayerInterface {
  public:
   JPH::uint GetNumBroadPhaseLayers() const override { return 2; }
@@ -73,7 +73,7 @@ class LayerPairs final : public JPH::ObjectLayerPairFilter {
 
 namespace {
 
-/// What Jolt keeps for the whole process.
+/// Jolt's process-wide state.
 void register_once() {
   static const bool done = [] {
     JPH::RegisterDefaultAllocator();
@@ -84,13 +84,13 @@ void register_once() {
   static_cast<void>(done);
 }
 
-/// Jolt's capsules and cylinders lie along y.
+/// Jolt's capsules and cylinders are along y.
 JPH::ShapeRefC along_z(const JPH::Shape* shape) {
   return new JPH::RotatedTranslatedShape(
       JPH::Vec3::sZero(), JPH::Quat::sRotation(JPH::Vec3::sAxisX(), 0.5f * JPH::JPH_PI), shape);
 }
 
-/// @throws std::invalid_argument  in Jolt's words
+/// @throws std::invalid_argument  with Jolt's message
 JPH::ShapeRefC created(const JPH::ShapeSettings& settings) {
   const JPH::ShapeSettings::ShapeResult made = settings.Create();
   if (made.HasError()) throw std::invalid_argument("jolt: " + std::string(made.GetError()));
@@ -104,7 +104,7 @@ JPH::ShapeRefC shape_of(const Body& body) {
       break;
     case Form::Box: {
       const JPH::Vec3 half = jph(body.size);
-      // The default rounds edges by 50 mm, which is more than half of what is thinner than that.
+      // The default rounds edges by 50 mm, more than half of a thin box.
       return new JPH::BoxShape(half, std::min(JPH::cDefaultConvexRadius, half.ReduceMin()));
     }
     case Form::Sphere:
@@ -137,7 +137,7 @@ JPH::ShapeRefC shape_of(const Body& body) {
   return new JPH::SphereShape(0.5f);  // collides with nothing
 }
 
-/// Bytes of the buffer for one step: more than it takes, and only what it takes is ever touched.
+/// Bytes of the buffer for one step: more than needed; unused pages are never touched.
 std::size_t step_buffer(std::size_t bodies) { return (std::size_t{32} << 20) + (bodies << 15); }
 
 }  // namespace
@@ -198,7 +198,7 @@ void World::add(const Body& body) {
       !touches       ? kTouchesNothing
       : body.dynamic ? kMoving
                      : kFixed);
-  // Of a pair Jolt takes the geometric mean of friction, the larger restitution.
+  // Jolt takes a pair's geometric mean of friction and the larger restitution.
   settings.mFriction = static_cast<float>(body.friction);
   settings.mRestitution = static_cast<float>(body.restitution);
   settings.mLinearDamping = 0.0f;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// PhysX on the processor with its defaults (4 position iterations and 1 velocity iteration, contact
-// manifolds kept, patch friction), with either of its solvers: PGS, which a scene has unless it
-// asks for another, and TGS, which the authors recommend. No worker threads; never asleep unless
-// asked and without damping, as all engines here.
+// PhysX on the CPU with its defaults (4 position iterations and 1 velocity iteration, persistent
+// contact manifolds, patch friction), with either solver: PGS, a scene's default, or TGS, which the
+// authors recommend. No worker threads. Like all engines here undamped, and never asleep unless
+// asked.
 #include <PxPhysicsAPI.h>
 
 #include <cstdio>
@@ -27,7 +27,7 @@ physx::PxQuat px(const Quat& q) {
 physx::PxTransform px(const Pose& pose) { return {px(pose.position), px(pose.orientation)}; }
 Vec3 from(const physx::PxVec3& v) { return {double(v.x), double(v.y), double(v.z)}; }
 
-/// What PhysX keeps for the whole process. Its errors go where they do not mix with results.
+/// PhysX's process-wide state. Its errors must not mix with results.
 class Process final : public physx::PxErrorCallback {
  public:
   static Process& get() {
@@ -135,7 +135,7 @@ class PhysxEngine final : public Engine {
     physx::PxShape* operator()(const CapsuleShape& s) const {
       physx::PxShape* shape = add(physx::PxCapsuleGeometry(static_cast<float>(s.radius),
                                                            static_cast<float>(s.half_height)));
-      // PhysX's lies along x.
+      // PhysX's axis is x.
       const physx::PxQuat turn(-physx::PxHalfPi, physx::PxVec3(0.0f, 1.0f, 0.0f));
       shape->setLocalPose(physx::PxTransform(turn));
       return shape;
@@ -160,7 +160,7 @@ class PhysxEngine final : public Engine {
           PxCreateTriangleMesh(physx::PxCookingParams(physics().getTolerancesScale()), desc,
                                physics().getPhysicsInsertionCallback());
       physx::PxShape* shape = add(physx::PxTriangleMeshGeometry(mesh));
-      mesh->release();  // the shape holds it
+      mesh->release();  // the shape holds a reference
       return shape;
     }
   };
@@ -170,7 +170,7 @@ class PhysxEngine final : public Engine {
     if (found == nullptr) {
       const float friction = static_cast<float>(body.friction);
       found = physics().createMaterial(friction, friction, static_cast<float>(body.restitution));
-      // Of a pair PhysX takes the mean of friction and, unless told so, of restitution.
+      // PhysX takes a pair's mean of friction and, by default, of restitution.
       found->setRestitutionCombineMode(physx::PxCombineMode::eMAX);
     }
     return *found;

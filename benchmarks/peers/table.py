@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Seven scenes in every engine that was measured, as Markdown: time, Tandem's time over it, outcome.
+"""Seven scenes in every measured engine, as Markdown: time, Tandem's time over it, result.
 
     python3 benchmarks/peers/table.py results/work_precision.csv
 """
@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "work_precision"
 
 import results
 
-# What is told of every scene with contacts: (measure, factor, name, unit; none for what is counted).
+# Columns for every scene with contacts: (measure, factor, name, unit; none for counts).
 OVERLAP = [("penetration_mean_end", 1e3, "overlap", "mm"),
            ("penetration_max_run", 1e3, "largest", "mm")]
 CONTACTS = OVERLAP + [("kinetic_max_last_second", 1.0, "energy left", "J")]

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Prediction with rollback beside agreement and beside single owners: one scene, network and seed,
-// a line for each way. Fails where confirmed frames of rollback differ by a bit.
+// Prediction with rollback compared with agreement and with single owners: one scene, network and
+// seed, a line per method. Fails if confirmed frames of rollback differ by a bit.
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
@@ -41,7 +41,7 @@ constexpr std::string_view kUsage =
 constexpr std::string_view kScenes[] = {"cubes", "room", "piano", "tennis",
                                         "cliff", "pile", "table"};
 constexpr std::string_view kCases[] = {"plain", "late", "differ"};
-constexpr double kJoinsAt = 0.4;   ///< of the run, in "late"
+constexpr double kJoinsAt = 0.4;   ///< fraction of the run, in "late"
 constexpr int kOtherSubsteps = 6;  ///< in "differ"
 
 struct Options {
@@ -52,10 +52,9 @@ struct Options {
   std::vector<std::string> ways = {"tandem", "owner", "owner-shown", "rollback-0", "rollback-3"};
 };
 
-/// m, of each body that nobody owns and frame in which it moves or is held, at the peer where it is
-/// seen: by how much it moved that its own velocities do not explain. A step goes by one of the
-/// velocities at its two ends, or by both in parts where a blow fell between them: it is the
-/// distance from the line between those two ways. Whatever put the body elsewhere.
+/// m, per unowned body and frame in which it moves or is held, at the viewing peer: its motion
+/// beyond its own velocities, for any cause. A step uses one of the velocities at its two ends, or
+/// a mixture at an impact: the value is the distance from the line between those two displacements.
 demos::Distribution jumps(std::span<const demos::PeerRecord> peers) {
   std::vector<double> values;
   for (const demos::PeerRecord& peer : peers) {
@@ -127,8 +126,8 @@ Run run(const demos::Scenario& scenario, const Options& options, const std::stri
   return run_coupling(scenario, demo, substeps, join);
 }
 
-/// s from when the last peer came until at it nothing was further than a centimetre from where it
-/// is at the first one; < 0 = never.
+/// s from the last peer's arrival until all its bodies were within a centimetre of the first
+/// peer's; < 0 = never.
 double joined_after(const Run& run, double came) {
   constexpr double kLevel = 0.01;  // m
   const demos::PeerRecord two[] = {run.peers.front(), run.peers.back()};
@@ -144,7 +143,7 @@ double joined_after(const Run& run, double came) {
   return -1.0;
 }
 
-/// What a run comes to, and the names of the columns before the first one where they are asked for.
+/// Prints the results of a run, after the names of the columns if `header`.
 void print(const Options& options, const std::string& way, Run& run, bool header) {
   const demos::Metrics m = demos::evaluate(run.peers);
   const demos::Distribution jump = jumps(run.peers);
@@ -214,7 +213,7 @@ std::vector<std::string_view> network_names() {
   return names;
 }
 
-/// @throws UsageError where the value is none of `allowed`
+/// @throws UsageError if the value is not in `allowed`
 std::string one_of(demos::Argument& argument, std::span<const std::string_view> allowed) {
   const std::string value = argument.text();
   if (std::find(allowed.begin(), allowed.end(), value) != allowed.end()) return value;

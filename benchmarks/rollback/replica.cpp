@@ -22,7 +22,7 @@ constexpr double kHandFilter = 0.025;  // s, of the low-pass on a hand's velocit
 Vec3 vec3(std::span<const double> v, std::size_t at) { return {v[at], v[at + 1], v[at + 2]}; }
 
 pbd::Pose pose(std::span<const double> v) {
-  // Only here: what is read and written again must stay what it is.
+  // Normalised only here: writing and reading again must not change the value.
   return {vec3(v, 0), pbd::Quat(v[6], v[3], v[4], v[5]).normalized()};
 }
 
@@ -50,7 +50,7 @@ struct Take {
   pbd::ByteReader& in;
 };
 
-/// To write or to read.
+/// For writing and reading.
 template <class Io>
 void fields(Io io, Replica::Carried& carried) {
   const auto all = [&](auto&... values) { (io(values), ...); };
@@ -145,7 +145,7 @@ Inputs Replica::predict(std::uint32_t peer, std::int64_t frame, bool go_on) cons
 
 void Replica::apply(std::uint32_t peer, std::int64_t frame, const Inputs& inputs) {
   for (const Input& input : inputs) play(peer, frame, input);
-  // Hands that did nothing stand still.
+  // Hands without input stand still.
   for (const Carried::Spring& spring : carried_.springs) {
     if (spring.peer != peer || spring.moved == frame) continue;
     pbd::Tether::Def def = tethers_->def(spring.row);

@@ -16,22 +16,22 @@
 namespace tandem::rollback_bench {
 
 inline constexpr double kFrameHz = 60.0;
-/// ns, session time at which a frame begins.
+/// ns, session time of a frame's beginning.
 consensus::SessionTime frame_time(std::int64_t frame);
-/// s, how long that frame takes.
+/// s, duration of that frame.
 double frame_duration(std::int64_t frame);
 
 /// A world that is a function of all peers' inputs: the same inputs, the same bits.
 /// @par Thread safety  One object: one thread at a time.
 class Replica {
  public:
-  /// What the next frame depends on beside the world.
+  /// State beside the world on which the next frame depends.
   struct Carried {
     struct Spring {
       std::uint32_t peer = 0, user = 0, number = 0;
       pbd::ConstraintId row;
-      pbd::Vec3 velocity = pbd::Vec3::Zero();  ///< m/s, of the hand, smoothed as consensus::Peer's
-      pbd::Vec3 anchor = pbd::Vec3::Zero();    ///< m, where the hand last said it is
+      pbd::Vec3 velocity = pbd::Vec3::Zero();  ///< m/s, of the hand, smoothed as in consensus::Peer
+      pbd::Vec3 anchor = pbd::Vec3::Zero();    ///< m, last stated position of the hand
       std::int64_t moved = 0;                  ///< frame
     };
     struct Driven {
@@ -41,9 +41,9 @@ class Replica {
     };
     std::vector<Spring> springs;
     std::vector<Driven> driven;
-    std::vector<demos::Signal> pending;  ///< whose time has not come
+    std::vector<demos::Signal> pending;  ///< not yet due
   };
-  /// The beginning of a frame; its memory serves again.
+  /// The beginning of a frame; its memory is reused.
   struct Saved {
     pbd::WorldCopy world;
     Carried carried;
@@ -57,10 +57,10 @@ class Replica {
   std::vector<std::byte> snapshot() const;
   void restore(pbd::ByteReader& in);
 
-  /// What a peer is taken to do in a frame of which its input is not known: all hands that moved in
-  /// the frame before it are where they were, or go on.
+  /// Predicts a peer's unknown input for a frame: all hands that moved in the frame before stop or
+  /// continue.
   Inputs predict(std::uint32_t peer, std::int64_t frame, bool go_on) const;
-  /// What a peer does in this frame; to be called for all, in the same order everywhere.
+  /// Applies a peer's input for this frame; call for all peers, in the same order everywhere.
   void apply(std::uint32_t peer, std::int64_t frame, const Inputs& inputs);
   void step(std::int64_t frame);
 

@@ -39,8 +39,8 @@ RollbackPeer::RollbackPeer(const demos::Scenario& scenario, const demos::DemoOpt
   for (Remote& remote : remotes_) remote.predicted.resize(saved_.size());
   remotes_[number].inputs.resize(static_cast<std::size_t>(options.input_delay));
   if (options.join == 0) return;
-  // What is known of a newcomer from the start: he does nothing before he is there, and what
-  // happens long before need not be told to him.
+  // A newcomer's initial input is known: none before it joins. Earlier events need not be sent to
+  // it.
   joined_ = !is_late(number);
   remotes_.back().inputs.resize(static_cast<std::size_t>(options.join + kJoinLead));
   remotes_.back().acknowledged = static_cast<std::size_t>(options.join - options.prediction_window);
@@ -77,7 +77,7 @@ void RollbackPeer::tick(std::int64_t clock) {
   stats_.frame_ms.push_back(1e3 * cpu_);
 }
 
-/// What has come is made good.
+/// Corrects for received inputs.
 void RollbackPeer::correct() {
   const pbd::CpuTimer timer(cpu_);
   if (wrong_ < frame_) {
@@ -112,7 +112,7 @@ void RollbackPeer::read_inputs(std::uint32_t peer, pbd::ByteReader& in) {
   record.first_exchange = std::min(record.first_exchange, frame_time(clock_));
   ++record.updates_received;
   from.acknowledged = std::max<std::size_t>(from.acknowledged, in.u32());
-  in.u32();  // the newest confirmed frame there, and its hash: runs are compared at their end
+  in.u32();  // the newest confirmed frame there, and its hash: compared at the end of the run
   in.u32();
   const std::size_t first = in.u32();
   const std::size_t count = in.u8();
@@ -130,7 +130,7 @@ void RollbackPeer::welcome(std::size_t newcomer) {
   pbd::ByteWriter out(bytes);
   out.u8(static_cast<std::uint8_t>(Message::Welcome));
   out.u32(static_cast<std::uint32_t>(confirmed_));
-  // The world as nobody will change it any more.
+  // The world in its final state.
   Replica::Saved now;
   world_.save(now);
   if (confirmed_ < frame_) world_.restore(saved_[ring(confirmed_)]);
@@ -158,7 +158,7 @@ void RollbackPeer::post(std::size_t to, std::span<const std::byte> bytes, Delive
 
 void RollbackPeer::send(int new_frames) {
   for (const consensus::PeerStatus& peer : transport_.peers()) {
-    // Nobody hears a newcomer's silence.
+    // A newcomer sends nothing before it asks to join.
     if (clock_ >= options_.join || !is_late(peer.id - 1))
       send_to(peer.id - 1, peer.round_trip, new_frames);
   }
@@ -169,10 +169,10 @@ void RollbackPeer::send_to(std::size_t to, std::int64_t round_trip, int new_fram
   constexpr std::size_t kMost = 250;
   const std::vector<Inputs>& own = remotes_[number_].inputs;
   std::size_t first = remotes_[to].acknowledged;
-  // Who catches up has more than one that nobody has heard of.
+  // A peer that catches up has several unsent frames.
   const auto newest = static_cast<std::size_t>(options_.redundancy + std::max(new_frames, 1) - 1);
-  // What is on its way is sent once more only while it is new, or is late to be acknowledged. Who
-  // stalls has nothing newer: the others may wait for just that.
+  // Resend an input only while it is new, or its acknowledgement is overdue. A stalled peer has
+  // nothing newer: the others may wait for exactly that.
   const double late = 1e-9 * static_cast<double>(round_trip) * kFrameHz + kSlack;
   const bool lost = new_frames == 0 || round_trip < 0 ||
                     static_cast<double>(own.size() - first) > late + static_cast<double>(newest);
@@ -205,7 +205,7 @@ void RollbackPeer::sample_inputs() {
   Inputs inputs = view_.inputs(world_.scene(), frame_time(frame_), frame_duration(frame_));
   const pbd::CpuTimer timer(cpu_);
   for (Input& input : inputs) {
-    // What was to happen some time later happens then all the same.
+    // The time of a delayed event is unchanged by the input delay.
     if (input.kind == Input::Kind::Signal) input.values[0] -= options_.input_delay / kFrameHz;
   }
   own.resize(at);
@@ -217,7 +217,7 @@ void RollbackPeer::simulate() {
   const bool known = std::all_of(remotes_.begin(), remotes_.end(),
                                  [&](const Remote& remote) { return remote.inputs.size() > at; });
   if (hashes_.size() <= at) hashes_.resize(at + 1);
-  // Frames of which all is known are never set back to.
+  // Fully known frames are never rolled back to.
   if (known) {
     hashes_[at] = world_.hash();
   } else {

@@ -10,33 +10,32 @@
 
 namespace tandem::rollback_bench {
 
-/// Frames from when a newcomer asks until its users act: all know of it, and that it does nothing
-/// before.
+/// Frames from a newcomer's request until its users act: by then all know of it, and that it did
+/// nothing before.
 inline constexpr std::int64_t kJoinLead = 60;
 
 struct RollbackOptions {
-  int input_delay = 0;                ///< frames from an input until it counts, at all peers alike
-  int extrapolation = 0;              ///< frames for which unknown hands go on; 0 = they stay
-  double smoothing = 0.0;             ///< s, time constant in which the view follows a correction
-  int redundancy = 5;                 ///< newest frames in each packet, where not acknowledged
-  int prediction_window = 30;         ///< frames beyond the last confirmed one: there it stalls
-  int max_frames_per_tick = 3;        ///< of who is behind
-  std::int64_t join = 0;              ///< frame at which the last peer asks to come in; 0 = at once
+  int input_delay = 0;          ///< frames from an input until it takes effect, at all peers
+  int extrapolation = 0;        ///< frames for which unknown hands continue; 0 = they stop
+  double smoothing = 0.0;       ///< s, time constant in which the view follows a correction
+  int redundancy = 5;           ///< newest frames in each packet, unless acknowledged
+  int prediction_window = 30;   ///< frames beyond the last confirmed one, above which it stalls
+  int max_frames_per_tick = 3;  ///< of a peer that is behind
+  std::int64_t join = 0;        ///< frame at which the last peer asks to join; 0 = at once
   std::optional<int> other_substeps;  ///< of the second peer; nullopt = as the others
 };
 
 struct RollbackStats {
-  std::vector<double> frame_ms;  ///< processor time of each tick, all but users and records
+  std::vector<double> frame_ms;  ///< processor time per tick, without users and records
   std::uint64_t steps = 0;       ///< of the solver
   std::uint64_t rollbacks = 0;
-  std::uint64_t stalled = 0;       ///< ticks without a frame, though there was one to simulate
-  std::size_t snapshot_bytes = 0;  ///< that it came in with
+  std::uint64_t stalled = 0;       ///< ticks without a frame although one was due
+  std::size_t snapshot_bytes = 0;  ///< on joining
 };
 
-/// Prediction with rollback, as published: one deterministic world at each peer; inputs are sent in
-/// each frame, together with those before it that may be lost; what is not known yet is predicted;
-/// where another input comes than was predicted, the world is set back to that frame and simulated
-/// again.
+/// Prediction with rollback, as published: one deterministic world at each peer. Inputs are sent in
+/// each frame, with earlier ones that may be lost; unknown inputs are predicted. If an input
+/// differs from its prediction, the world is rolled back to that frame and simulated again.
 /// @par Thread safety  One object: one thread at a time.
 class RollbackPeer {
  public:
@@ -44,9 +43,9 @@ class RollbackPeer {
   RollbackPeer(const demos::Scenario& scenario, const demos::DemoOptions& demo,
                const RollbackOptions& options, std::size_t number, consensus::Transport& transport);
 
-  /// A peer's inputs are known in advance: what is then simulated is what all must come to.
+  /// Sets a peer's inputs in advance: the simulation is then the reference.
   void set_inputs(std::size_t peer, std::vector<Inputs> inputs);
-  /// The clock shows the beginning of that frame.
+  /// Runs a tick. @param clock  the frame that begins now
   void tick(std::int64_t clock);
 
   const std::vector<Inputs>& own() const { return remotes_[number_].inputs; }
@@ -56,12 +55,12 @@ class RollbackPeer {
   demos::PeerRecord& record() { return view_.record(); }
 
  private:
-  /// What is known of a peer, this one included.
+  /// State of a peer, this one included.
   struct Remote {
-    bool asks_to_join = false;      ///< and has no answer yet
+    bool asks_to_join = false;      ///< not answered yet
     std::vector<Inputs> inputs;     ///< by frame, without gaps
-    std::vector<Inputs> predicted;  ///< what was simulated in their place, in a ring
-    std::size_t acknowledged = 0;   ///< so many frames of ours it has
+    std::vector<Inputs> predicted;  ///< used in their place, in a ring
+    std::size_t acknowledged = 0;   ///< number of our frames that it has
   };
   bool is_late(std::size_t peer) const { return options_.join > 0 && peer + 1 == remotes_.size(); }
   void receive();
@@ -90,9 +89,9 @@ class RollbackPeer {
   std::vector<std::uint64_t> hashes_;
   std::int64_t clock_ = 0;
   bool joined_ = true;
-  std::int64_t frame_ = 0;          ///< to be simulated next
-  std::int64_t confirmed_ = 0;      ///< so many frames are as they will stay
-  std::int64_t wrong_ = INT64_MAX;  ///< the oldest frame that was predicted wrongly
+  std::int64_t frame_ = 0;          ///< next to be simulated
+  std::int64_t confirmed_ = 0;      ///< number of final frames
+  std::int64_t wrong_ = INT64_MAX;  ///< the oldest wrongly predicted frame
   double cpu_ = 0.0;                ///< s, of this tick
   RollbackStats stats_;
 };

@@ -18,8 +18,8 @@ using pbd::Vec3;
 
 constexpr double kEdge = 0.1;  // m
 
-/// Up to six people around one heap of cubes: each takes one after the other, whosever it is, and
-/// puts it down somewhere else.
+/// Up to six people around one heap of cubes: each moves one cube after the other, whoever else
+/// uses it.
 class Table final : public demos::Scenario {
  public:
   explicit Table(std::size_t people) : Scenario("table", people) {}
@@ -41,7 +41,7 @@ class Table final : public demos::Scenario {
   std::unique_ptr<demos::User> make_user(std::size_t user, demos::Controls& controls,
                                          const demos::UserOptions& options) const override {
     require_user(user);
-    constexpr double kPeriod = 2.5;  // s, from one cube to the next
+    constexpr double kPeriod = 2.5;  // s per cube
     demos::Random random(demos::derived_seed(options.seed, 23));
     std::vector<demos::HandTask> tasks;
     for (double start = 1.0; start < options.seconds; start += kPeriod) {

@@ -19,7 +19,7 @@ std::int64_t frames_of(const demos::DemoOptions& demo) {
   return std::llround(demo.seconds * kFrameHz);
 }
 
-/// What one world makes of all inputs, by frame.
+/// Hashes of one world with all inputs, by frame.
 std::vector<std::uint64_t> true_hashes(const demos::Scenario& scenario,
                                        const demos::DemoOptions& demo,
                                        std::deque<RollbackPeer>& peers) {
@@ -108,7 +108,7 @@ Run run_coupling(const demos::Scenario& scenario, const demos::DemoOptions& demo
       const std::size_t next = demos::next_actor(actors);
       const bool ends = std::get<1>(actors[next].next()) == 0;
       if (!session.act(end)) break;
-      if (!ends) continue;  // a frame is whole at its end
+      if (!ends) continue;  // a frame is complete at its end
       const double sum = actors[next].participant().cpu_s();
       run.frame_ms.push_back(1e3 * (sum - cpu[next]));
       cpu[next] = sum;
@@ -126,7 +126,7 @@ Run run_coupling(const demos::Scenario& scenario, const demos::DemoOptions& demo
     };
     consensus::VirtualNetwork& network = session.network();
     link([&](consensus::PeerId from, consensus::PeerId to) { network.cut(from, to); });
-    // What it asks takes one way before anybody answers.
+    // The request arrives one latency later.
     run_to(frame_time(join) + std::llround(1e9 * demo.link_options().latency));
     link([&](consensus::PeerId from, consensus::PeerId to) { network.heal(from, to); });
     run_to(frame_time(join + kJoinLead));

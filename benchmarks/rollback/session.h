@@ -11,33 +11,33 @@
 
 namespace tandem::rollback_bench {
 
-/// A run of any coupling, as it is compared.
+/// A run of any coupling, for comparison.
 struct Run {
   std::vector<demos::PeerRecord> peers;
   std::vector<double> frame_ms;    ///< processor time of each peer's frames
   double steps_per_frame = 1.0;    ///< of the solver
-  std::size_t stalled = 0;         ///< frames in which nothing could be simulated
-  std::size_t snapshot_bytes = 0;  ///< of who came late
-  std::size_t confirmed = 0;       ///< frames of which all peers know all inputs
-  std::int64_t first_desync = -1;  ///< frame from which a peer's confirmed bits differ; -1 = none
+  std::size_t stalled = 0;         ///< frames without a simulation
+  std::size_t snapshot_bytes = 0;  ///< of the late peer
+  std::size_t confirmed = 0;       ///< frames with all inputs known to all peers
+  std::int64_t first_desync = -1;  ///< first one not confirmed alike; -1 = none
 };
 
-/// A demo's scene, smaller where it is a heavy one (cliff of 200 balls, pile of 8 x 8), or the
-/// table, where all people act.
-/// @param variant  as of the demos; "" = its default
-/// @return null where there is none of that name, or no such variant of it
+/// A demo's scene, smaller if it is heavy (cliff of 200 balls, pile of 8 x 8), or the table, where
+/// all people act.
+/// @param variant  as in the demos; "" = its default
+/// @return null if there is no such name or variant
 std::unique_ptr<demos::Scenario> make_scenario(const std::string& name, int people,
                                                const std::string& variant = "");
 
-/// Rollback over the demos' virtual network. Once it is over, one world simulates all inputs in
-/// order: Run::first_desync is where any peer's confirmed frame differs from that.
+/// Rollback over the demos' virtual network. Afterwards one world simulates all inputs in order:
+/// Run::first_desync is the first frame in which any peer's confirmed state differs from it.
 Run run_rollback(const demos::Scenario& scenario, const demos::DemoOptions& demo,
                  const RollbackOptions& options);
 
 /// The demo's own coupling over the same network. Copies start equal, as those of rollback must.
 /// @param other_substeps  of the second peer; nullopt = as the others
-/// @param join  frame at which the last peer asks to come in; 0 = it is there at once. Until it is
-///   heard it is cut off from all, and its users act from kJoinLead frames later on.
+/// @param join  frame at which the last peer asks to join; 0 = present from the start. Until its
+/// request arrives it is disconnected from all; its users act kJoinLead frames later.
 Run run_coupling(const demos::Scenario& scenario, const demos::DemoOptions& demo,
                  std::optional<int> other_substeps, std::int64_t join);
 

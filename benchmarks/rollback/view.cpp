@@ -50,7 +50,7 @@ void View::before_correction(const demos::Scene& world) {
 
 void View::after_correction(const demos::Scene& world) {
   if (smoothing_ <= 0.0) return;
-  constexpr double kFar = 1.0;  // m: beyond it is shown at once
+  constexpr double kFar = 1.0;  // m: larger corrections are shown at once
   for (std::size_t i = 0; i < before_.size(); ++i) {
     const pbd::Pose& before = before_[i];
     const pbd::Pose& after = world.pose(i);

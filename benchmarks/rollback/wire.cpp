@@ -13,7 +13,7 @@ namespace {
 
 using demos::Input;
 
-constexpr double kTurn = 32767.0;  // what stands for 1
+constexpr double kTurn = 32767.0;  // represents 1
 
 bool has_pose(Input::Kind kind) { return kind == Input::Kind::Drive || kind == Input::Kind::Jump; }
 bool names_both(Input::Kind kind) { return kind == Input::Kind::Grab || kind == Input::Kind::Hold; }

@@ -9,18 +9,17 @@
 
 namespace tandem::rollback_bench {
 
-/// The input of one peer for one frame: what its users do, in order. The frame says when it is, not
-/// their times.
+/// One peer's input for one frame: its users' actions, in order. Their times are not used: the
+/// frame defines the time.
 using Inputs = std::vector<demos::Input>;
 
-/// Positions and strengths as floats, orientations in 16 bits each: 15 bytes for a spring that
-/// moves.
+/// Positions and strengths as floats, orientations in 16 bits each: 15 bytes for a moving spring.
 void write(pbd::ByteWriter& out, const Inputs& inputs);
-/// What cannot be read makes the reader fail.
+/// Invalid bytes make the reader fail.
 Inputs read(pbd::ByteReader& in);
 /// As the others will read them: all peers must simulate the same bits.
 Inputs rounded(const Inputs& inputs);
-/// Whether the same is done, in whatever order.
+/// True if the inputs are equal, in any order.
 bool same(const Inputs& a, const Inputs& b);
 
 }  // namespace tandem::rollback_bench

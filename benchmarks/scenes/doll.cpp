@@ -9,14 +9,14 @@
 namespace tandem::bench {
 namespace {
 
-/// How a bone hangs on its parent.
+/// A bone's joint to its parent.
 struct Hold {
   int parent = -1;  ///< none
   Vec3 joint = Vec3::Zero();
   Vec3 axis = Vec3::UnitZ();  ///< of twist, or of the hinge
   double cone = 0.0;          ///< degrees; 0: a hinge
   double lower = 0.0, upper = 0.0;
-  double friction = 1.0;  ///< share of kDollFriction
+  double friction = 1.0;  ///< fraction of kDollFriction
 };
 
 /// A capsule between two points.
@@ -29,11 +29,11 @@ struct Bone {
 constexpr double kDollFriction = 5.0;  // N m
 constexpr int kBelly = 1;
 constexpr int kChest = 3;
-constexpr int kMiddle = 6;  // bones that are their own mirror image; then come those of the left
+constexpr int kMiddle = 6;  // symmetric bones come first, then those of the left
 
-// Box3D's human (shared/human.c, MIT licence, Erin Catto), to the millimetre: capsules, limits and
-// friction are its own, right limbs mirror left ones. Joints hold where its child's frame is, so
-// that none is open at the start, and a cone is about the pose that the doll starts in.
+// Box3D's human (shared/human.c, MIT licence, Erin Catto), to the millimetre, with its capsules,
+// limits and friction; right limbs mirror left ones. Joints are at the child's frame, so that none
+// is open at the start, and a cone is about the initial pose.
 const std::array<Bone, 10>& bones() {
   static const std::array<Bone, 10> kBones{{
       // pelvis
@@ -92,7 +92,7 @@ double capsule_mass(double radius, double half_height) {
          (2.0 * half_height + 4.0 / 3.0 * radius);
 }
 
-/// The same bone on the right: points are mirrored, and turns about what is then their axis.
+/// The same bone on the right: mirrored points, and rotations about the mirrored axis.
 Bone mirrored(Bone bone) {
   for (Vec3* point : {&bone.from, &bone.to, &bone.hold.joint}) point->y() = -point->y();
   bone.hold.axis = Vec3(-bone.hold.axis.x(), bone.hold.axis.y(), -bone.hold.axis.z());
@@ -129,7 +129,7 @@ void add_doll(Scene& scene, const Pose& frame) {
     const Bone& bone = all[static_cast<std::size_t>(i)];
     add_bone(scene, frame, bone, bone.hold.parent < 0 ? -1 : first + bone.hold.parent);
   }
-  // A right limb hangs on a right one where there is one.
+  // A right limb is attached to a right one if there is one.
   for (int i = kMiddle; i < count; ++i) {
     const Bone bone = mirrored(all[static_cast<std::size_t>(i)]);
     const int parent =

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Where a scene is Box3D's, its sizes and masses are those of its benchmark or sample of that name,
-// but up is z, gravity 9.81 m/s^2 and friction 0.5. Nothing here rolls with resistance, and joints
-// have no springs: not all engines have them beside friction.
+// Box3D's scenes have the sizes and masses of its benchmark or sample of that name, but z up,
+// gravity 9.81 m/s^2 and friction 0.5. There is no rolling resistance, and joints have no springs:
+// not all engines support them together with friction.
 #include "scenes/joint_scenes.h"
 
 #include <algorithm>
@@ -46,7 +46,7 @@ void append_grid(MeshData& mesh, int cells, double half) {
   }
 }
 
-/// About z: `sides` sections of as many corners.
+/// About z: `sides` sections with as many corners.
 void append_torus(MeshData& mesh, std::uint32_t sides, double radius, double thickness) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   for (std::uint32_t i = 0; i < sides; ++i) {
@@ -69,7 +69,7 @@ void append_torus(MeshData& mesh, std::uint32_t sides, double radius, double thi
   }
 }
 
-/// In Box3D's own a row of ten groups is dropped every 0.8 s; here all fall at once.
+/// Box3D drops a row of ten groups every 0.8 s; here all fall at once.
 void build_rain(Scene& scene, int groups) {
   constexpr double kCell = 15.0;
   scene.seconds = 6.0;
@@ -95,7 +95,7 @@ void build_wedge(Scene& scene, int dolls) {
   }
 }
 
-/// Never asleep in Box3D's own.
+/// Kept awake in Box3D's own.
 void build_joint_grid(Scene& scene, int side) {
   constexpr double kRadius = 0.4;
   scene.seconds = 5.0;
@@ -145,14 +145,14 @@ void drive(SceneJoint& hinge, double speed, double max_torque) {
   hinge.max_torque = max_torque;
 }
 
-/// Planks of the size of those of Box3D's bridge, each on four ball joints, in an arc that hangs by
-/// a tenth of its span; on it a car of 120 kg, whose hind wheels drive it at 1 m/s.
+/// Planks as large as those of Box3D's bridge, each on four ball joints, in an arc that sags by a
+/// tenth of its span; on it a car of 120 kg with rear-wheel drive at 1 m/s.
 void build_bridge(Scene& scene, int planks) {
   constexpr double kHalf = 0.125;
   constexpr double kWide = 0.5;
-  constexpr double kWood = 500.0;  // kg/m^3; Box3D's own weigh 20
+  constexpr double kWood = 500.0;                                       // kg/m^3; Box3D's is 20
   constexpr double kPlank = kWood * 4.0 * kHalf * kHalf * 2.0 * kWide;  // kg
-  const double turn = 0.8 / planks;                                     // rad, from plank to plank
+  const double turn = 0.8 / planks;                                     // rad, between planks
   const double radius = kHalf / std::tan(0.5 * turn);
   const auto on_arc = [&](double angle, double r) {
     return Vec3(r * std::sin(angle), 0.0, radius - r * std::cos(angle));
@@ -187,7 +187,7 @@ void build_bridge(Scene& scene, int planks) {
   }
 }
 
-/// A jib of 20 m turns at 0.3 rad/s, and the ball on its cable with it, into a wall.
+/// A jib of 20 m turns at 0.3 rad/s and swings the ball on its cable into a wall.
 void build_crane(Scene& scene, int links) {
   constexpr double kJib = 20.0;
   constexpr double kHeight = 10.0;
@@ -209,7 +209,7 @@ void build_crane(Scene& scene, int links) {
   const double end = kHeight - 8.0;
   const int ball = scene.add(SphereShape{kRadius}, 2000.0, place(kJib, 0.0, end - kRadius));
   scene.add_ball(last, ball, Vec3(kJib, 0.0, end));
-  // In its way, a third of a turn on.
+  // In its way, after a third of a turn.
   const Quat turn = turned(kPi / 3.0, Vec3::UnitZ());
   for (int k = 0; k < 5; ++k) {
     for (int i = 0; i < 8; ++i) {
@@ -219,8 +219,8 @@ void build_crane(Scene& scene, int links) {
   }
 }
 
-/// On two hinges each, as Box3D's; every second turns the other way. They run into their stops and
-/// push there.
+/// On two hinges each, as in Box3D; every second turns the other way. They drive against their
+/// stops.
 void build_doors(Scene& scene, int doors) {
   const Vec3 half(0.75, 0.1, 1.5);
   const int side = static_cast<int>(std::ceil(std::sqrt(doors)));

@@ -6,19 +6,19 @@
 
 namespace tandem::bench {
 
-/// Scenes of joints: those of Box3D's benchmarks and samples, and what games build of them.
-/// Dolls: human, some dropped from 1 m; rain, groups of three dropped from 20 m on a grid with a
-/// torus in each cell; wedge, some dropped into a groove. joint_grid: balls that hang in a net, by
-/// rows; ball_and_chain: links, and a ball of 33.5 t on the last; bridge: planks, and a car that
-/// drives over; crane: links of the cable of a ball of 2 t that is swung into a wall; doors: doors
-/// with motors between stops.
+/// Scenes of joints: Box3D's benchmarks and samples, and typical parts of games. Dolls: human, some
+/// dropped from 1 m; rain, groups of three dropped from 20 m on a grid with a torus in each cell;
+/// wedge, some dropped into a groove. joint_grid: balls that hang in a net, by rows;
+/// ball_and_chain: links, and a ball of 33.5 t on the last; bridge: planks, and a car that drives
+/// over; crane: cable links with a ball of 2 t that is swung into a wall; doors: doors with motors
+/// between stops.
 inline constexpr std::array<std::string_view, 8> kJointScenes{
     "human", "rain", "wedge", "joint_grid", "ball_and_chain", "bridge", "crane", "doors"};
 
 bool is_joint_scene(std::string_view name);
 
-/// @param size  how many of what the scene is of, see above; 0: as in the tables
-/// @throws std::invalid_argument where there is no scene of that name
+/// @param size  number of the scene's elements, see above; 0: as in the tables
+/// @throws std::invalid_argument if no scene has that name
 Scene joint_scene(std::string_view name, int size = 0);
 
 }  // namespace tandem::bench

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Sizes, masses, seeds and the order of the random numbers are those with which other engines were
-// measured. Loops run z outermost, then y, then x.
+// Sizes, masses, seeds and the order of the random numbers are those used to measure other engines.
+// Loops run z outermost, then y, then x.
 #include <stdexcept>
 #include <utility>
 
@@ -102,7 +102,8 @@ void build_pyramid(Scene& scene) {
   }
 }
 
-/// Rows of cubes of 1 m, each half a cube in from the one below, the cubes of a row side by side.
+/// Rows of 1 m cubes, each shifted by half a cube from the one below, the cubes of a row side by
+/// side.
 void add_pyramid(Scene& scene, int base, double x, double y) {
   for (int row = 0; row < base; ++row) {
     const int count = base - row;

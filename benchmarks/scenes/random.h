@@ -8,7 +8,7 @@
 
 namespace tandem::bench {
 
-/// The generator that the scenes were measured with in other engines: do not change it.
+/// The generator used to measure other engines: do not change it.
 class SceneRandom {
  public:
   /// Uniform in [0, 1).

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 
-// Which shares are stable at which delay: two peers that disagree by 5 cm at first, with nobody
-// about. Prints one line of CSV for each case:
+// Stable shares by delay: two peers start 5 cm apart, without users. Prints one line of CSV per
+// case:
 //
 //   scheme, scene, share of peer 1, share of peer 2, delay from peer 1 to 2 and back (frames),
 //   loss, stable, end / start, peak / start, half-life (frames; -1 = never), speed kept
 //
 // The difference is the rms over bodies at the same session time. Stable: in the last 4.5 of 15 s
-// it is below what it was at the start, and below 0.1 mm or not above what it was in the 4.5 s
-// before. (The slowest swing, the chain's, takes 2.9 s; shorter times see its phase.) Speed kept:
-// rms speed in the last 4.5 s, of what both have alone; where one swings and one hangs, both swing
-// half as far in the end, and 0.707 is kept.
+// it is below its start, and below 0.1 mm or not above its value in the 4.5 s before. (The slowest
+// oscillation, the chain's, takes 2.9 s; shorter windows would show its phase.) Speed kept: rms
+// speed in the last 4.5 s, relative to both alone; if one swings and one hangs, both finally swing
+// half as far, and 0.707 is kept.
 //
-//   stability [scheme [scene]]      those alone
+//   stability [scheme [scene]]      only these
 
 #include <algorithm>
 #include <cmath>
@@ -52,17 +52,17 @@ constexpr Scheme kSchemes[] = {
 constexpr double kShares[] = {0.02, 0.05, 0.1, 0.2, 0.3, 0.5};
 constexpr int kDelays[] = {0, 1, 2, 3, 5, 8, 11, 15, 20, 30};
 
-/// Both ways between the peers.
+/// Links both ways between the peers.
 struct Ways {
   int there = 0, back = 0;  ///< frames, from peer 1 to 2 and from 2 to 1
   double loss = 0.0;
   double jitter = 0.0;  ///< frames
 };
-/// Links that are not alike both ways, and one that loses and reorders.
+/// Asymmetric links, and one with loss and reordering.
 constexpr Ways kUneven[] = {{2, 14}, {14, 2}, {2, 30}, {30, 2}, {8, 8, 0.2, 3.0}};
 
-/// @param share  of the gap closed per 1/60 s by this peer where states are replayed; announced by
-///   it, as published, where they are not
+/// @param share  of the gap closed per 1/60 s by this peer with replay; without it the announced
+///   share, as published
 consensus::PeerOptions options_of(const Scheme& scheme, double share) {
   consensus::PeerOptions options;
   options.coupling = scheme.coupling;
@@ -80,7 +80,7 @@ double speed_square(const peers_bench::Copy& copy) {
   return sum;
 }
 
-/// m^2/s^2: mean of speed_square() over the end, of a copy alone.
+/// m^2/s^2: mean of speed_square() over the end, of a single copy.
 double speed_square_alone(std::size_t kind, double apart) {
   peers_bench::Copy copy = build(kKinds[kind], apart);
   pbd::Solver solver{{.measure_stages = false}};
@@ -93,7 +93,7 @@ double speed_square_alone(std::size_t kind, double apart) {
 }
 
 void run(const Scheme& scheme, std::size_t kind, double share_1, double share_2, const Ways& ways) {
-  // A state of the end of a step is heard at the beginning of the next one where nothing is late.
+  // Without latency, the state of a step's end is used at the beginning of the next.
   const auto link = [&ways](int delay) {
     return consensus::LinkOptions{.latency = peers_bench::latency_of(delay),
                                   .jitter = ways.jitter / kRate,

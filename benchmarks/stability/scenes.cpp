@@ -44,7 +44,6 @@ Copy spring(double apart) {
   return b.done();
 }
 
-/// Five cubes on the ground.
 Copy stack(double apart) {
   CopyBuilder b;
   b.wall(Vec3(0.0, 0.0, -0.5), Vec3(5.0, 5.0, 0.5));
@@ -52,7 +51,7 @@ Copy stack(double apart) {
   return b.done();
 }
 
-/// Ten cubes side by side on the ground; where one copy is shifted, a wall is in the way.
+/// Ten cubes side by side on the ground; a wall blocks the way of a shifted copy.
 Copy row(double apart) {
   CopyBuilder b;
   b.wall(Vec3(0.0, 0.0, -0.5), Vec3(5.0, 5.0, 0.5));
@@ -61,7 +60,7 @@ Copy row(double apart) {
   return b.done();
 }
 
-/// Ten links that hang from a hook, turned aside as a whole in one copy.
+/// Ten links that hang from a hook, rotated as a whole in one copy.
 Copy chain(double apart) {
   CopyBuilder b;
   const pbd::BodyId hook = b.hook();
@@ -71,7 +70,7 @@ Copy chain(double apart) {
     const pbd::BodyId above = i > 0 ? links[links.size() - 2] : hook;
     b.joint(pbd::ball_joint_at(b.world(), above, links.back(), -i * kEdge * Vec3::UnitZ()));
   }
-  // Turned once it is built: the joints of both copies are the same.
+  // Rotated after building: the joints of both copies are the same.
   const pbd::Quat turn = pbd::exp_map(-apart / kEdge * 0.1 * Vec3::UnitY());
   for (const pbd::BodyId link : links) {
     const pbd::Pose pose = b.world().pose(link);

@@ -10,14 +10,14 @@
 
 namespace tandem::stability_bench {
 
-/// What peers disagree about.
+/// The scenes of the disagreement.
 enum class Kind : std::uint8_t { Free, Spring, Stack, Row, Chain };
 inline constexpr std::array kKinds = {Kind::Free, Kind::Spring, Kind::Stack, Kind::Row,
                                       Kind::Chain};
 inline constexpr std::array<std::string_view, 5> kKindNames = {"free", "spring", "stack", "row",
                                                                "chain"};
 
-/// @param apart  m, how far this copy's bodies begin from where the other's do
+/// @param apart  m, initial offset of this copy's bodies from the other's
 peers_bench::Copy build(Kind kind, double apart);
 
 }  // namespace tandem::stability_bench

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""What the numbers were measured with: processor, system, compiler, flags, date. No host names."""
+"""Processor, system, compiler, flags and date of the measurement. No host names."""
 import datetime
 import os
 import platform

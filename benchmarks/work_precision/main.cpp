@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// TANDEM_BENCH_MAKE names what makes the engine of this program.
+// TANDEM_BENCH_MAKE is the factory of this program's engine.
 #include "work_precision/run.h"
 
 int main(int argc, char** argv) {

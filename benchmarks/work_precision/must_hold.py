@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""What must hold, from a CSV of runs:  python3 must_hold.py results/work_precision.csv"""
+"""Checks bounds on a CSV of runs:  python3 must_hold.py results/work_precision.csv"""
 import sys
 
 import results

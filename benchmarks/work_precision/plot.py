@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Error against time, one panel for each measure of each scene (PNG and SVG).
+"""Error against time, one panel per measure and scene (PNG and SVG).
 
     python3 plot.py results/work_precision.csv results
 """

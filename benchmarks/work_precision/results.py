@@ -6,11 +6,11 @@ import math
 import statistics
 
 ENGINES = {"tandem": "Tandem", "bullet64": "Bullet double", "bullet32": "Bullet single"}
-# Those that users build themselves: at their defaults only.
+# Optional engines: at their defaults only.
 PEERS = {"jolt": "Jolt", "box3d": "Box3D", "physx_pgs": "PhysX PGS", "physx_tgs": "PhysX TGS"}
 NAMES = ENGINES | PEERS
 
-# What each scene is judged by: (measure, factor to the unit, unit). The first is plotted first.
+# Measures of each scene: (measure, factor to the unit, unit). The first is plotted first.
 ERRORS = {
     "stacks": [("drift_end", 1e3, "top drift, mm"),
                ("penetration_mean_end", 1e3, "mean overlap, mm")],
@@ -29,16 +29,16 @@ ERRORS = {
 
 
 class Point:
-    """One engine at one setting: times over the repeats, and what came out of it."""
+    """One engine at one setting: times over the repeats, and results."""
 
     def __init__(self, rows):
         first = rows[0]
         self.engine, self.scene, self.setting = first["engine"], first["scene"], first["setting"]
         self.values = {k: number(v) for k, v in first.items()
                        if k not in ("engine", "scene", "setting", "hash")}
-        self.hashes = {r.get("hash", "") for r in rows}  # of the last frame's states: one
+        self.hashes = {r.get("hash", "") for r in rows}  # of the last frame's states: must be one
         self.wall_times = sorted(number(r["wall_ms_mean"]) for r in rows)
-        # Mean over the frames: where an engine works harder in some of them, that counts.
+        # Mean over the frames, to include expensive ones.
         self.times = sorted(number(r["cpu_ms_mean"]) for r in rows)
         self.median_times = sorted(number(r["cpu_ms_p50"]) for r in rows)
 
@@ -54,7 +54,7 @@ class Point:
 
     @property
     def wall_time(self):
-        """ms on the clock: mean over the frames, median over the repeats."""
+        """ms, wall time: mean over the frames, median over the repeats."""
         return statistics.median(self.wall_times)
 
     def value(self, name):
@@ -90,7 +90,7 @@ def write(path, rows):
 
 
 def select(points, engine=None, scene=None, setting=None):
-    """Those with these names; runs on several threads only where the setting is asked for."""
+    """Those with these names; runs on several threads only if the setting is asked for."""
     return [p for p in points
             if engine in (None, p.engine) and scene in (None, p.scene)
             and (p.setting == setting if setting else "threads" not in p.setting)]
@@ -118,7 +118,7 @@ def best_until(line, measure, time):
 
 def compare_fronts(ours, theirs, measure):
     """(times at which our front has no more error than theirs, times compared): every step of
-    either front from where both have a point."""
+    either front once both have a point."""
     fronts = [front(ours, measure), front(theirs, measure)]
     if not all(fronts):
         return 0, 0

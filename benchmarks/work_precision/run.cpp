@@ -23,7 +23,7 @@ namespace tandem::bench {
 namespace {
 
 struct Times {
-  std::vector<double> wall_s, cpu_s;  ///< by frame in which something was awake
+  std::vector<double> wall_s, cpu_s;  ///< per frame with an awake body
   std::map<std::string, std::vector<double>> stage_s;
   int substeps = 0;
 };
@@ -43,7 +43,7 @@ Measures summary(const Times& times) {
   add("cpu_ms_last_2s",
       mean({times.cpu_s.end() - static_cast<std::ptrdiff_t>(last), times.cpu_s.end()}));
   out.emplace_back("substeps", times.substeps);
-  // What is set up anew in the first two frames is no surprise later.
+  // Setup in the first two frames does not count as a late outlier.
   const double slow_s = 4.0 * quantile(times.cpu_s, 0.5);
   const auto late = times.cpu_s.begin() + std::min<std::ptrdiff_t>(2, std::ssize(times.cpu_s));
   out.emplace_back("slow_frames", std::count_if(late, times.cpu_s.end(),
@@ -71,7 +71,7 @@ std::string hash_of(const Scene& scene, const Engine& engine) {
   return text;
 }
 
-/// KB that the process holds in memory; 0 where the system does not say.
+/// KB of resident memory; 0 if unknown.
 double resident_kb() {
   std::ifstream file("/proc/self/statm");
   double all = 0.0;

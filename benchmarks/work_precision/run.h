@@ -6,8 +6,8 @@
 
 namespace tandem::bench {
 
-/// The main() of work_precision_<engine>: one scene, one engine, one setting; how long a frame
-/// takes and how far the result is off. run.py runs them all.
+/// The main() of work_precision_<engine>: one scene, one engine, one setting; measures the time of
+/// a frame and the error of the result. run.py runs them all.
 int work_precision_main(int argc, char** argv, const MakeEngine& make);
 
 }  // namespace tandem::bench

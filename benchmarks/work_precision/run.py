@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Error against run time: seven scenes in Tandem and in both Bullets over their settings, and in the
-other engines that this build has at their defaults. Each run is as long as its scene, 10 s, the
-chain's 5 s: a heap that still falls costs a quarter of one that has settled.
+"""Error against run time: seven scenes in Tandem, both Bullets and the other engines of this build.
 
     python3 benchmarks/work_precision/run.py build/release/bin --out results          full, an hour
     python3 benchmarks/work_precision/run.py build/release/bin --quick --out quick    ten minutes
     python3 benchmarks/work_precision/run.py build/release/bin --joints --out joints  scenes of joints
 
-Engines and settings take turns, so that a drift of the machine's speed meets all alike. One thread.
-Writes work_precision.csv (joints.csv; one line a run), machine.json and, with matplotlib, the plots.
+Tandem and Bullet run over their settings, other engines at their defaults. Each run has its scene's length, 10 s, the
+chain's 5 s: a falling heap costs a quarter of a settled one. Engines and settings take turns, so that a drift of the
+machine's speed affects all. One thread. Writes work_precision.csv (joints.csv; one line per run), machine.json and,
+with matplotlib, the plots.
 """
 import argparse
 import itertools
@@ -26,14 +26,13 @@ import results
 
 SMALL = ("stacks", "ratio", "pyramid", "chain")
 LARGE = ("katamari", "cliff", "heap")
-# Of joints, at their defaults only: asleep where the engine lets them, but for the grid, which Box3D's
-# own benchmark keeps awake. Those that end in a number are of that size.
+# Scenes of joints, only at the defaults, with sleep if the engine allows, except for the grid, which Box3D's own
+# benchmark keeps awake. A number at the end of a name is the size.
 JOINTS = ("human", "rain", "wedge", "joint_grid", "ball_and_chain", "bridge", "crane", "doors")
 LARGE_JOINTS = ("rain 20", "joint_grid 100")
 REFERENCE = Path(__file__).resolve().parent.parent / "data" / "chain_reference.txt"
 
-# (substeps, iterations); None = the engine's default, all None = the default row. The heap runs with
-# two threads as well.
+# (substeps, iterations); None = the engine's default, all None = the default row. The heap also runs with two threads.
 DEFAULT = (None, None)
 TWO_THREADS = "2 threads"
 FULL = {
