@@ -87,8 +87,8 @@ void read_arguments(std::span<const std::string_view> words, const std::vector<O
 /// The last part of argv[0].
 std::string program_name(const char* path);
 
-/// The main() of a program. Answers --help, -h, --help-all and --version. Returns the exit code:
-/// that of `run`; 2 for an invalid command line, 1 for any other exception. Both print the error.
+/// The main() of a program. Answers --help, -h, --help-all and --version. Returns and prints: the
+/// exit code of `run`; 2 for an invalid command line; 1 for any other exception.
 /// @param run  takes the words after the program's name
 /// @param usage_of_all  for --help-all; empty = same as `usage`
 int program_main(int argc, char** argv, std::string_view usage,

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Another engine as a full peer of a session. The scene's world mirrors Bullet's: agreement moves
-// the mirror, changes of the mirror are applied to Bullet before its step, and the mirror follows
-// the result. So consensus needs no second implementation, and peers need not know each other's
-// engine.
+// Another engine as a full peer. The scene's world mirrors Bullet's: agreement moves the mirror,
+// its changes are applied to Bullet before the step, and the mirror follows the result. So
+// consensus needs no second implementation, and peers need not know each other's engine.
 #include "bullet/bullet_scene.h"
 #include "bullet/springs.h"
 #include "demos/engine/engine.h"

@@ -12,7 +12,7 @@ namespace tandem::demos {
 
 /// Users' springs on one body as impulses before the step, for an engine without such springs.
 /// Stretch and speed are implicit (end of the step), so any stiffness is stable. Gravity and
-/// contacts are assumed to accelerate the body as they did in the last step.
+/// contacts are assumed to act as in the last step.
 class SpringPulls {
  public:
   /// Changes the twist. @param dt  s, > 0

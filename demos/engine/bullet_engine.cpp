@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Bullet with its defaults (10 iterations, ERP 0.2, warm start 0.85, split impulse, Dbvt, the box
-// shape's own margin), but like all engines here undamped, and never asleep unless asked.
-// BT_USE_DOUBLE_PRECISION selects single or double precision.
+// shape's own margin). Like all engines here undamped, and never asleep unless asked.
+// BT_USE_DOUBLE_PRECISION selects the precision.
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>

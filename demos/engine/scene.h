@@ -53,7 +53,6 @@ struct MeshData {
 using MeshShape = std::shared_ptr<const MeshData>;
 /// Corners of a convex solid, m; its centre of mass is at the origin.
 using HullShape = std::shared_ptr<const std::vector<Vec3>>;
-/// No shape: no contacts.
 struct NoShape {};
 
 using SceneShape = std::variant<NoShape, BoxShape, SphereShape, CapsuleShape, CylinderShape,
@@ -130,7 +129,7 @@ Vec3 principal_inertia(const SceneShape& shape, double mass);
 /// The seven scenes of the comparison between engines. cliff: 1000 balls over a step of 8192
 /// triangles; stacks: ten of ten cubes; katamari: 900 cubes and a large one; chain: 50 links and a
 /// ball of 1000 times their mass; heap: 8000 boxes between walls; ratio: five cubes, each ten times
-/// as heavy as the one below; pyramid: 120 cubes.
+/// heavier than the one below; pyramid: 120 cubes.
 inline constexpr std::array<std::string_view, 7> kPeerScenes{"cliff", "stacks", "katamari", "chain",
                                                              "heap",  "ratio",  "pyramid"};
 /// Two of Box3D's benchmark scenes: a pyramid of 100 rows of cubes, and 196 pyramids of ten rows.

@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Shapes, and a contact listener: begin, end and speed of each impact. A ball with restitution 0.5
-// falls on the ground; each impact has half the speed of the one before.
+// falls on the ground; each impact has half the speed of the last.
 #include <cmath>
 #include <cstdio>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Sharing. Two worlds, two peers, and a network in virtual time with 50 ms latency one way. Their
-// copies of one cube start 40 cm apart and become one while the first peer's user drags it.
+// Sharing. Two worlds, two peers, and a network in virtual time with 50 ms latency. Their copies of
+// one cube start 40 cm apart and become one while the first peer's user drags it.
 #include <cstdint>
 #include <cstdio>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A custom predictor carries received states forward to the present. A ball in free flight follows
-// its parabola, which Euler's prediction misses by g age^2 / 2.
+// A custom predictor. A ball in free flight follows its parabola, which Euler's prediction misses
+// by g age^2 / 2.
 #include <cmath>
 #include <cstdio>
 #include <memory>

@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // A custom constraint, solved in one pass with all others: a hinge with a spring and a damper. A
-// rod on it swings as a damped oscillator does by formula. docs/constraint.md explains it.
+// rod on it swings as a damped oscillator. docs/constraint.md explains it.
 #include <cmath>
 #include <cstdio>
 
@@ -11,7 +11,7 @@
 #include "tandem/pbd/typed_block.h"
 
 using namespace tandem::pbd;
-/// Attaches a body to a point of the world by a hinge along z with a spring and a damper. C = (p -
+/// Attaches a body to a point of the world by a hinge along z with spring and damper. C = (p -
 /// anchor, rotation vector) [m, rad]; all rows but the angle about z are rigid.
 class SpringHinge {
  public:

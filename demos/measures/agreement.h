@@ -10,13 +10,13 @@
 
 namespace tandem::demos {
 
-/// Jaccard distance of the pairs in contact at two peers: the share of pairs that touch at only one
-/// of them. One value per look of the first peer, against the other's nearest look. It shows stacks
-/// that fell differently, which distances in centimetres hide. Local peers only.
+/// Jaccard distance of the pairs in contact at two peers, per look of the first peer and the
+/// other's nearest look. It shows stacks that fell differently, which distances in centimetres
+/// hide. Local peers only.
 std::vector<double> contact_disagreement(std::span<const PeerRecord> peers);
 
 /// s, from the last action of any user (other than moving bodies they own) until no unowned body
-/// was more than `tolerance` (m) apart any more. NaN if that never happened or nobody acted.
+/// was more than `tolerance` (m) apart. NaN if that never happened or nobody acted.
 double time_to_agree(std::span<const PeerRecord> peers, std::span<const DivergenceSample> samples,
                      double tolerance);
 
@@ -24,17 +24,16 @@ double time_to_agree(std::span<const PeerRecord> peers, std::span<const Divergen
 /// mean age of used updates plus the listener's step.
 double news_age(const PeerRecord& listener, const PeerRecord& sender);
 
-/// Bodies held by exactly one user. apart_m: distance of the copies, m. limit_m: the error that no
-/// peer with updates of this age can avoid: half the holder's mean acceleration over the age, times
-/// age squared. Both over the same samples.
+/// Bodies held by exactly one user. apart_m: distance of the copies, m. limit_m: the unavoidable
+/// error with updates of this age: half the holder's mean acceleration over the age, times age
+/// squared. Both over the same samples.
 struct HeldByOne {
   Distribution apart_m, limit_m;
 };
 HeldByOne held_by_one(std::span<const PeerRecord> peers, const EvaluationOptions& options = {});
 
 /// m: the same limit for every body at every step of the first peer, with all updates `age` (s)
-/// old; 0 for bodies that no user moves by spring or ownership. No method on a network with this
-/// age can do better.
+/// old; 0 for bodies that no user moves. No method can do better with this age.
 Distribution limit_of_all(std::span<const PeerRecord> peers, double age,
                           const EvaluationOptions& options = {});
 

@@ -11,7 +11,7 @@
 namespace tandem::demos {
 
 /// Writes one JSON text (RFC 8259), indented. Numbers keep every bit; non-finite ones become null.
-/// Keys belong in objects and only there: asserted, not checked.
+/// Misplaced keys are asserted, not checked.
 class JsonWriter {
  public:
   JsonWriter& begin_object() { return open('{'); }

@@ -9,8 +9,8 @@
 
 namespace tandem::demos {
 
-/// Transit time of each packet of a link in virtual time, ms, to 0.1 ms, without the wait for a
-/// step. Lost packets are left out.
+/// Transit time of each packet of a link in virtual time, ms, to 0.1 ms, without lost packets and
+/// the wait for a step.
 /// @param rate     packets per second, > 0     @param seconds  of sending
 /// @throws std::invalid_argument if the options are not valid
 std::vector<double> link_latencies(const consensus::LinkOptions& link, double rate, double seconds,

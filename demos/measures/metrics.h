@@ -23,7 +23,7 @@ struct Distribution {
   double p50 = kNone, p75 = kNone, p95 = kNone, p99 = kNone, max = kNone;
   double p25 = kNone;
   /// The outermost values within 1.5 times the interquartile range of the quartiles, and the share
-  /// of all values outside: box plots as in [friston] Figure 9.
+  /// outside: box plots as in [friston] Figure 9.
   double whisker_low = kNone, whisker_high = kNone, outliers = kNone;
 };
 
@@ -35,9 +35,9 @@ Distribution distribution(std::vector<double>& values);
 enum class MotionClass : std::uint8_t { Resting, Moving, Contested };
 inline constexpr double kMovingSpeed = 0.05;  ///< m/s
 
-/// A finer class. Owned: one user alone moves it. Held: some user's spring holds it. Otherwise by
-/// its fastest instance: Resting up to kMovingSpeed; above it, Touching if it has a contact at any
-/// peer, Free if not.
+/// Owned: one user alone moves it. Held: some user's spring holds it. Otherwise by its fastest
+/// instance: Resting up to kMovingSpeed; above it, Touching if it has a contact at any peer, Free
+/// if not.
 enum class ObjectClass : std::uint8_t { Resting, Touching, Free, Held, Owned };
 inline constexpr std::size_t kObjectClasses = 5;
 std::string_view to_string(ObjectClass object);

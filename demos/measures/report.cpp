@@ -29,7 +29,7 @@ consensus::SessionTime first_time(const std::vector<PeerRecord>& peers) {
   return first == INT64_MAX ? 0 : first;
 }
 
-/// ns, session time at which the tables start.
+/// ns, session time.
 consensus::SessionTime table_start(const Report& report) {
   consensus::SessionTime start = INT64_MAX;
   for (const DivergenceSample& s : report.metrics.samples) start = std::min(start, s.time);

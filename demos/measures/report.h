@@ -34,9 +34,9 @@ std::string report_table(const Report& report);
 /// For programs: one JSON object; unknown values are null.
 std::string report_json(const Report& report);
 
-/// Writes divergence.csv (every sample), tracks.csv (every body at every peer), series.csv
-/// (measured by users' devices) and bodies.csv (a line per body) into `folder`, which is created if
-/// missing. @throws std::runtime_error if a file cannot be written
+/// Writes divergence.csv (every sample), tracks.csv (every body at every peer), series.csv (users'
+/// devices) and bodies.csv (a line per body) into `folder`, which is created if missing. @throws
+/// std::runtime_error if a file cannot be written
 void write_csv(const Report& report, const std::string& folder);
 
 /// Writes the users' inputs, for --script. @throws std::runtime_error if the file cannot be written
@@ -45,8 +45,8 @@ void write_inputs(const Report& report, const std::string& path);
 /// Standard output, or standard error if the JSON object goes there.
 std::FILE* words_go_to(const DemoOptions& options);
 
-/// Writes and prints the results as the options ask. Returns the exit code: 0, or 1 for a run with
-/// a fault. @param words  for people @throws std::runtime_error if a file cannot be written
+/// Writes and prints what the options ask for. Returns the exit code: 0, or 1 for a run with a
+/// fault. @param words  for people @throws std::runtime_error if a file cannot be written
 int publish(const Report& report, const std::string& words);
 
 }  // namespace tandem::demos

@@ -11,13 +11,13 @@
 namespace tandem::demos {
 
 /// A second-order Butterworth high-pass, run forwards and backwards for zero phase; the gain is 1 /
-/// (1 + (cutoff/f)^4), 1/2 at the cutoff.
+/// (1 + (cutoff/f)^4).
 /// @param rate  Hz, of the samples     @param cutoff  Hz, below half the rate
 std::vector<double> high_pass(std::span<const double> values, double rate, double cutoff);
 
 /// Spectral arc length of a speed profile: the length of its normalised amplitude spectrum up to 10
-/// Hz or to the last frequency above 5 % (Balasubramanian et al. 2015, Eq. 3). Dimensionless,
-/// negative; nearer to 0 is smoother. NaN without speed.
+/// Hz or to the last frequency above 5 % (Balasubramanian et al. 2015, Eq. 3). Negative; nearer to
+/// 0 is smoother. NaN without speed.
 /// @param rate  Hz
 double spectral_arc_length(std::span<const double> speed, double rate);
 

@@ -13,8 +13,8 @@ namespace tandem::demos {
 /// True if `file` is a terminal and NO_COLOR (no-color.org) is not set.
 bool may_colour(std::FILE* file);
 
-/// A summary for newcomers: how far people and copies were apart, what was achieved, and, with a
-/// second run, both and why that one lost.
+/// A summary for newcomers: how far people and copies were apart, what was achieved, and why a
+/// second run lost.
 /// @param beside  the same with another coupling; null = none
 /// @param colour  with terminal escapes
 std::string story(const Scenario& scenario, const Report& report, const Report* beside,

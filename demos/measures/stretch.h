@@ -10,9 +10,8 @@
 namespace tandem::demos {
 
 /// Stretch of springs between users' hands and held bodies, m: every spring of every local peer at
-/// every step, at its own user's peer. several_m: bodies held by two or more users of the session
-/// at that time, at any peers; one_m: all others. Several springs of one user count as one holder.
-/// Users in other processes count once their springs were announced.
+/// every step. several_m: bodies held by two or more users of the session at that time; one_m: all
+/// others. Users in other processes count once their springs were announced.
 struct Stretch {
   Distribution one_m, several_m;
 };

@@ -6,9 +6,9 @@
 
 namespace tandem::page_server {
 
-/// Set before a port is bound. It lets a restarted program take its port while old connections
-/// linger. Windows always allows that, and its "reuse" would let another program share the port:
-/// there this option prevents sharing.
+/// Set before binding, so that a restarted program takes its port while old connections linger.
+/// Windows always allows that, and its "reuse" would let another program share the port: there this
+/// option prevents sharing.
 #ifdef _WIN32
 using OwnPort = boost::asio::detail::socket_option::boolean<SOL_SOCKET, SO_EXCLUSIVEADDRUSE>;
 #else

@@ -66,7 +66,7 @@ class Site {
 class Request;
 
 /// Serves a page below a token to requests that use the server's own name and come from no other
-/// site's page, and hands on connections that become sockets. Runs on its own thread.
+/// site's page; hands on connections that become sockets. Runs on its own thread.
 /// @par Thread safety  Public methods: safe but for start() and stop(). Private ones: its thread.
 class PageServer {
  public:

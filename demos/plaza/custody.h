@@ -18,16 +18,14 @@
 namespace tandem::demos {
 
 /// Selects the bodies in one person's world: those nearby, the one they hold, and those they keep.
-/// A keeper writes a body's position to the ledger until it rests.
 ///
-/// A body that nobody simulates is where its record says. A person who moves one becomes its
-/// keeper, until it rests and that is written.
+/// A body that nobody simulates is where its record says. A person who moves one becomes its keeper
+/// and writes its position to the ledger until it rests.
 ///
-/// A record with a keeper is a lease. The keeper renews it each second, for held and rolling bodies
-/// alike; after three seconds without renewal anybody may take the body. Silence of the keeper's
-/// peer means nothing, since it may be too far away to be connected. While the lease holds, a copy
-/// elsewhere is out of date, and neighbours' states of such a copy are ignored. A body that leaves
-/// its keeper's area passes to a neighbour who has it.
+/// A record with a keeper is a lease, renewed each second; after three seconds without renewal
+/// anybody may take the body. Silence of the keeper's peer means nothing, since it may be too far
+/// away to be connected. While the lease holds, a copy elsewhere is out of date, and neighbours'
+/// states of it are ignored. A body that leaves its keeper's area passes to a neighbour who has it.
 class Custody {
  public:
   struct Counters {

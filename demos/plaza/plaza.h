@@ -58,7 +58,7 @@ struct PlazaBody {
   static collision::Shape shape(std::size_t number);
 };
 
-/// A body's initial position, m, world.
+/// m, world, initially.
 pbd::Vec3 start_of_body(const PlazaOptions& options, std::size_t number);
 /// A person's initial position, on the ground.
 pbd::Vec3 start_of_person(const PlazaOptions& options, std::size_t number);

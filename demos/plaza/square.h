@@ -15,8 +15,8 @@
 namespace tandem::demos {
 
 /// The time of a square whose people are all in this process: wall time, or slower on a slow
-/// machine. A step begins when all have finished the one before. So nobody is late, and rates per
-/// second of it do not depend on the number of cores.
+/// machine. A step begins when all have finished the one before, so rates do not depend on the
+/// number of cores.
 /// @par Thread safety  now(): from any thread.
 class SquareClock {
  public:

@@ -15,7 +15,7 @@ namespace tandem::demos {
 
 namespace {
 
-constexpr double kArm = 2.5;              // m, reach of the arm
+constexpr double kArm = 2.5;              // m
 constexpr double kLetGo = 1.0;            // m: a body farther from the hand is lost
 constexpr std::uint64_t kPlaceEvery = 6;  // steps
 constexpr std::uint64_t kSayEvery = 10;   // steps between summaries

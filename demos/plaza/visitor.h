@@ -18,7 +18,6 @@
 
 namespace tandem::demos {
 
-/// A visitor's transport.
 struct VisitorLink {
   std::shared_ptr<nats::NatsHub> hub;   ///< null: UDP
   std::function<std::int64_t()> clock;  ///< ns, time of the square
@@ -34,7 +33,7 @@ class Visitor {
   Visitor(const Visitor&) = delete;
   Visitor& operator=(const Visitor&) = delete;
 
-  /// A step from `now` to `end`, ns.
+  /// ns.
   void step(consensus::SessionTime now, consensus::SessionTime end);
   void leave(consensus::SessionTime now);
 

@@ -15,8 +15,8 @@ namespace tandem::demos {
 /// @throws UsageError if there is no such variant
 using ScenarioFactory = std::function<std::unique_ptr<Scenario>(const std::string& variant)>;
 
-/// The main() of a demo: reads the command line, runs, reports. Returns the exit code: 0; 1 for a
-/// fault of the run or the system; 2 for an invalid command line.
+/// The main() of a demo. Returns the exit code: 0; 1 for a fault of the run or the system; 2 for an
+/// invalid command line.
 int demo_main(int argc, char** argv, const ScenarioFactory& factory);
 
 /// The main() of a demo without variants.

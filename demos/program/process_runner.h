@@ -8,12 +8,11 @@
 
 namespace tandem::demos {
 
-/// One peer in this process, in wall time over TCP. The world runs from the start; the users'
-/// script begins when the first processes have found each other (see Rendezvous): peer 1 is user A,
-/// peer 2 user B, others only watch. Ends `seconds` after the script's beginning, or at SIGINT or
-/// SIGTERM; both leave the session in order.
+/// One peer in this process, in wall time over TCP. The users' script begins when the first
+/// processes have found each other (see Rendezvous): peer 1 is user A, peer 2 user B, others only
+/// watch. Ends `seconds` later, or in order at SIGINT or SIGTERM.
 ///
-/// Only the own world is known here; other peers' states are those they send, at their stamps.
+/// Other peers' states are known as they are sent, at their stamps.
 /// @throws std::invalid_argument if scenario or transport refuse the options
 /// @throws std::system_error if it cannot listen
 /// @throws std::runtime_error if nobody came in time (--wait)

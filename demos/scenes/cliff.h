@@ -7,13 +7,13 @@
 namespace tandem::demos {
 
 /// A thousand balls fall over a cliff of triangles, after [friston] Sec. 5.1. They are held in the
-/// air until user A presses a key, which reaches all peers as a signal; nobody touches them. Walls
-/// around the ground keep them in. Names: "ball/<number>".
+/// air until user A presses a key, which reaches all peers as a signal. Walls keep them in. Names:
+/// "ball/<number>".
 class CliffScenario final : public Scenario {
  public:
   static constexpr double kPress = 1.0;  ///< s: the key is pressed
-  /// s from the key to the fall, so that peers across an ocean release at the same time. A peer
-  /// that receives the signal later drops the balls from where they would be by then.
+  /// s from the key to the fall, so that peers across an ocean release at the same time. After a
+  /// later signal the balls start from where they would be by then.
   static constexpr double kLead = 0.2;
 
   /// @param balls  at most a thousand

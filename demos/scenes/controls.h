@@ -61,7 +61,7 @@ class Controls {
   /// @param delay  s, from now
   void signal(std::uint32_t code, double delay);
 
-  /// True if this user holds the body by a spring.
+  /// By any spring.
   bool holds(std::size_t body) const;
   /// The same for a spring at exactly this point (m, frame of the body).
   bool holds(std::size_t body, const pbd::Vec3& attachment_l) const;
@@ -70,7 +70,7 @@ class Controls {
     std::size_t body = 0;   ///< index into Scene::bodies
     double distance = 0.0;  ///< m
   };
-  /// Appends the stretch of each of this user's springs in this peer's present world.
+  /// In this peer's present world; appends.
   void append_stretches(std::vector<Stretch>& out) const;
   /// Restores all springs after the peer was replaced in place.
   void hold_again();

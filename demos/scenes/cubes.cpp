@@ -35,7 +35,6 @@ class CubesReferee final : public Referee {
                          std::abs(local.y()) < 0.5 * cubes_.plate.y();
       if (!above) continue;
       on_plate += 1.0;
-      // The cube's place on the plate at the start.
       const pbd::Vec3 place = scene.bodies[i].start - scene.bodies[plate_].start;
       if ((local - place).norm() < 0.5 * cubes_.edge) standing += 1.0;
     }

@@ -21,12 +21,12 @@ struct CubesOptions {
 };
 
 /// Stacks of cubes on a plate, which lies on the ground at the origin with its long side along x;
-/// beside it the pillar, a stack on the ground that nobody touches. Names: "plate",
-/// "cube/<stack>/<level>" from -x to +x and bottom to top, "pillar/<level>".
+/// beside it the pillar, a stack that nobody touches. Names: "plate", "cube/<stack>/<level>" from
+/// -x to +x and bottom to top, "pillar/<level>".
 ///
-/// User A pulls a cube out of the first stack towards -y and so topples it; user B carries the top
-/// cube of the last stack to the ground. Then both lift the plate, one at each end, carry it
-/// sideways and set it down; longer sessions repeat this back and forth.
+/// User A topples the first stack by pulling a cube towards -y; user B carries the top cube of the
+/// last stack to the ground. Then both lift the plate at its ends, carry it sideways and set it
+/// down; longer sessions repeat this back and forth.
 class CubesScenario final : public Scenario {
  public:
   /// s: start of the first lift; a lift with its rest takes kLiftPeriod.

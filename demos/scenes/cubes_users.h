@@ -8,8 +8,8 @@
 
 namespace tandem::demos {
 
-/// The script of user A (0) or B (1) of the scene "stacked cubes". Seeds vary starts and paths only
-/// slightly, by up to 0.1 s and a few centimetres. The tasks keep a reference to the scene.
+/// The script of user A (0) or B (1). Seeds vary starts and paths by up to 0.1 s and a few
+/// centimetres. The tasks keep a reference to the scene.
 std::vector<HandTask> cubes_tasks(std::size_t user, const CubesOptions& cubes, const Scene& scene,
                                   const UserOptions& options);
 

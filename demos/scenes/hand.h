@@ -39,9 +39,8 @@ class HandPath {
   std::vector<Knot> knots_;
 };
 
-/// The minimum-jerk path from one state of motion to another: the fifth-order polynomial that meets
-/// both [flash1985]. Before its start it is constant; after its end it continues without
-/// acceleration.
+/// The minimum-jerk path between two states of motion: the fifth-order polynomial that meets both
+/// [flash1985]. Before its start it is constant; after its end it continues without acceleration.
 class MinJerkMove {
  public:
   struct State {

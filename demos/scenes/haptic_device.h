@@ -29,13 +29,12 @@ struct HapticPoint {
 
 /// A simulated haptic device with its own loop. A virtual coupling (spring and damper) pulls the
 /// pen to the proxy, a point of the simulation, within the motors' force limit; the simulation sees
-/// the pen as the other end of the same spring. Between frames the proxy moves on at its velocity.
+/// the pen as the spring's other end. Between frames the proxy moves on at its velocity.
 ///
-/// The passivity observer sums the energy that flows from hand and pen into the coupling. The
-/// coupling is passive while the sum is not negative; it starts at 0, since the coupling closes
-/// without stretch. Otherwise the passivity controller [hannaford2002] adds just enough damping to
-/// remove the missing energy, within the motors' limit and the stability limit of a cycle: remote
-/// users of a shared body cannot shake the hand.
+/// The passivity observer sums the energy that flows from hand and pen into the coupling, from 0,
+/// since the coupling closes without stretch. If the sum would become negative, the passivity
+/// controller [hannaford2002] adds just enough damping, within the motors' limit and the stability
+/// limit of a cycle: remote users of a shared body cannot shake the hand.
 class HapticDevice {
  public:
   HapticDevice(const HapticOptions& options, const pbd::Vec3& position);

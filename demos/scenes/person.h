@@ -15,7 +15,7 @@ namespace tandem::demos {
 
 /// A scripted user with a head and two hands, which others see as shared bodies: "head/<user>",
 /// "hand/<user>/0" (left) and "hand/<user>/1" (right). Hands follow minimum-jerk paths with tremor,
-/// and hold things by three springs each. A person walks by teleporting.
+/// and hold by three springs each. A person walks by teleporting.
 class Person : public User {
  public:
   /// One action: called before each step until it returns true.
@@ -35,9 +35,9 @@ class Person : public User {
   double acting() const { return time() - act_start_; }
   Random& random() { return random_; }
   const Scene& scene() const { return controls_.scene(); }
-  /// The seen state of a body, a reaction time old.
+  /// A reaction time old.
   const pbd::BodyState& seen(std::size_t body) const { return sight_.seen(body); }
-  /// m, intended position of a hand.
+  /// m, intended position.
   pbd::Vec3 hand(int which) const { return hands_[index(which)].move.at(time()).position; }
   /// Moves a hand there within `duration` s, or longer to keep within the speed limits.
   void reach(int which, const pbd::Vec3& to, double duration);

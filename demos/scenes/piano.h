@@ -10,7 +10,6 @@
 
 namespace tandem::demos {
 
-/// Options of the piano's users.
 struct PianoOptions {
   /// Springs are sent to all peers; otherwise each is known to its user's peer alone.
   bool soft = false;
@@ -23,7 +22,7 @@ struct PianoOptions {
   static bool parse(const std::string& variant, PianoOptions& options);
 };
 
-/// A pose of the piano seen from above.
+/// Seen from above.
 struct PianoPose {
   double x = 0.0, y = 0.0;  ///< m
   double angle = 0.0;       ///< rad, of its long axis against x

@@ -10,8 +10,8 @@
 namespace tandem::demos {
 
 /// One of two users who move the piano. They grasp their end and follow the path through the maze
-/// no faster than the seen piano. The hand's end of the spring is the pen of a haptic device, or
-/// the cursor of a mouse.
+/// no faster than the seen piano. The hand's end of the spring is a haptic device's pen or the
+/// mouse cursor.
 class PianoUser final : public User {
  public:
   PianoUser(std::size_t user, const PianoOptions& piano, Controls& controls,

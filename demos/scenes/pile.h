@@ -21,12 +21,11 @@ struct PileOptions {
   void validate() const;
 };
 
-/// Small cubes in a square on the ground around the origin, and a big one beside them: 901 bodies,
-/// the number in the demonstration of sending states by priority
+/// Small cubes in a square on the ground around the origin, and a big one beside them: 901 bodies
 /// (docs/history/network-figures.md). Names: "big", "small/<row>/<column>".
 ///
 /// Both users hold the big cube at the ends of an axis that it can turn about, and roll it through
-/// the small ones and back; then they let go.
+/// the small ones and back.
 class PileScenario final : public Scenario {
  public:
   static constexpr double kStart = 1.5;  ///< s, first roll

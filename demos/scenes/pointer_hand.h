@@ -12,12 +12,11 @@ class PointerHand {
  public:
   /// s. A pointer moves in steps, once per picture, and other peers would extrapolate each step.
   /// With recorded pointers in `cubes`, profile 3, copies of moving bodies are 8 mm apart instead
-  /// of 17 (p95) and pop 181 times a minute instead of 1150; 0.02 s: 10 mm and 277, 0.05 s: 7 mm
-  /// and 76. The hand lags by twice this time.
+  /// of 17 (p95) and pop 181 times a minute instead of 1150. The hand lags by twice this time.
   static constexpr double kSmooth = 0.03;
   static constexpr double kFastest = 2.0;  ///< m/s
-  /// m, from the held point. A spring as stiff as single_spring() reaches its maximum force at 4
-  /// cm; a hand farther ahead would keep pulling after the body reached the pointer.
+  /// m, from the held point. A spring as stiff as single_spring() is at its maximum force from 4 cm
+  /// on; a hand farther ahead would pull on after the body reached the pointer.
   static constexpr double kReach = 0.1;
 
   /// @param at  m, world

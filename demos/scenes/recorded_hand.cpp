@@ -11,7 +11,6 @@ namespace tandem::demos {
 
 namespace {
 
-/// The scene's body for each hold of the record.
 std::vector<std::size_t> held_bodies(const HandRecord& record, const Scene& scene,
                                      const std::vector<std::size_t>& holdable, std::size_t user,
                                      std::size_t users) {

@@ -14,10 +14,10 @@ namespace tandem::demos {
 
 /// A user whose one hand replays a record, with the springs of a room's page.
 ///
-/// It holds the scene's body of the recorded name. If there is none, the n-th new name of the
-/// record becomes number n * users + user of the holdable bodies, cyclically. It holds the body at
-/// the recorded point, or at the nearest point of its bounding box. From there it moves as the
-/// recorded hand did from its grab, times the scene's scale; both along the world's axes.
+/// It holds the scene's body of the recorded name. Otherwise the record's n-th new name becomes
+/// number n * users + user of the holdable bodies, cyclically. It holds the body at the recorded
+/// point, or at the nearest point of its bounding box, and moves as the recorded hand did from its
+/// grab, times the scene's scale, along the world's axes.
 class RecordedHand final : public User {
  public:
   static constexpr double kPatience = 0.5;  ///< s: a hold that is later is skipped

@@ -24,8 +24,8 @@ class InputPlayer {
   std::map<std::uint32_t, std::uint32_t> springs_;  ///< recorded number to live one
 };
 
-/// Replays another user's inputs without looking. With the same step times each input comes in its
-/// recorded step; otherwise in the first step that begins later.
+/// Replays another user's inputs. With the same step times each input comes in its recorded step;
+/// otherwise in the first step that begins later.
 class ReplayUser final : public User {
  public:
   /// @param inputs  of any users, by time; only those of `user` are played

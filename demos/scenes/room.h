@@ -6,16 +6,15 @@
 
 namespace tandem::demos {
 
-/// Two users in a room, after [friston] Sec. 5.2. A stands at -x, B at +x. Furniture: two tables
-/// and a shelf that do not move, a bench that takes two to carry. On the tables: "toy/box",
-/// "toy/hull", "toy/cylinder" and "block/0" to "block/3". Avatars: see Person.
+/// Two users in a room, after [friston] Sec. 5.2. A stands at -x, B at +x. Furniture: two static
+/// tables, a static shelf, a bench that takes two to carry. On the tables: "toy/box", "toy/hull",
+/// "toy/cylinder" and "block/0" to "block/3". Avatars: see Person.
 ///
-/// A hands the box to B, who puts it on their own table; both carry the bench; B stacks blocks on
-/// the box while A throws the cylinder across the room and puts the hull on the shelf. They walk by
-/// teleporting.
+/// A hands the box to B, who puts it on the other table; both carry the bench; B stacks blocks on
+/// the box while A throws the cylinder across the room and puts the hull on the shelf.
 class RoomScenario final : public Scenario {
  public:
-  static constexpr double kTable = 0.75;  ///< m, height of the tables
+  static constexpr double kTable = 0.75;  ///< m
   static constexpr double kShelf = 1.1;   ///< m
   static constexpr double kBlock = 0.1;   ///< m, edge
   static constexpr double kBox = 0.12;    ///< m, edge

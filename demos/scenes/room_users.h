@@ -6,7 +6,6 @@
 
 namespace tandem::demos {
 
-/// Gives user A (0) or B (1) of the room its script.
 void room_script(Person& person);
 
 }  // namespace tandem::demos

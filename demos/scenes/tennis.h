@@ -14,7 +14,7 @@ struct TennisCourt {
   double net = 0.1525;         ///< m, above the surface
   double ball_radius = 0.02;   ///< m
   double ball_mass = 0.0027;   ///< kg
-  double blade_half = 0.08;    ///< m, of the square blade
+  double blade_half = 0.08;    ///< m
   double blade_thick = 0.01;   ///< m, half thickness
   double table_bounce = 0.88;  ///< restitution
   double blade_bounce = 0.75;
@@ -23,8 +23,8 @@ struct TennisCourt {
 };
 
 /// Two users play table tennis, after [friston] Sec. 5.3. Each owns a racket; the balls are shared.
-/// User A (0) plays at -x. Balls wait in the air; user k % 2 serves ball k: drops it by a signal
-/// and hits it after it has bounced. Names: "racket/<user>", "ball/<number>".
+/// User A (0) plays at -x. Balls wait in the air; user k % 2 drops ball k by a signal and serves it
+/// after its bounce. Names: "racket/<user>", "ball/<number>".
 class TennisScenario final : public Scenario {
  public:
   static constexpr int kBalls = 12;
@@ -47,7 +47,7 @@ class TennisScenario final : public Scenario {
   TennisCourt court_;
 };
 
-/// The user's side of the table: -1 or +1.
+/// -1 or +1.
 inline double tennis_side(std::size_t user) { return user == 0 ? -1.0 : 1.0; }
 
 }  // namespace tandem::demos

@@ -79,7 +79,6 @@ void TennisPlayer::draw_target() {
   target_ = Vec3(-side_ * random_.uniform(0.65, 0.95), random_.uniform(-0.1, 0.1),
                  court_.height + court_.ball_radius);
   flight_ = random_.uniform(0.55, 0.65);
-  // Human aiming error.
   const auto error = [this](double most) { return random_.uniform(-most, most); };
   aim_error_ = Vec3(error(0.01), error(0.01), error(0.01));
 }

@@ -14,7 +14,6 @@ namespace tandem::demos {
 /// m, rest position of a player's racket, near most strokes.
 pbd::Vec3 tennis_home(const TennisCourt& court, std::size_t user);
 
-/// A ball's state of flight.
 struct BallFlight {
   pbd::Vec3 position = pbd::Vec3::Zero();  ///< m
   pbd::Vec3 velocity = pbd::Vec3::Zero();  ///< m/s
@@ -65,12 +64,12 @@ class TennisPlayer final : public User {
   Sight sight_;
   Random random_;
   Tremor tremor_;
-  double next_serve_;             ///< s, earliest time
-  double quiet_since_ = 0.0;      ///< s, without a flying ball
-  MinJerkMove move_;              ///< of the racket's middle
-  pbd::Quat from_, to_;           ///< orientation at both ends of the move
-  std::optional<Stroke> stroke_;  ///< the stroke in progress
-  double blind_until_ = 0.0;      ///< s: until then the seen ball is from before the stroke
+  double next_serve_;         ///< s, earliest time
+  double quiet_since_ = 0.0;  ///< s, without a flying ball
+  MinJerkMove move_;          ///< of the racket's middle
+  pbd::Quat from_, to_;       ///< orientation at both ends of the move
+  std::optional<Stroke> stroke_;
+  double blind_until_ = 0.0;  ///< s: until then the seen ball is from before the stroke
   pbd::Vec3 target_ = pbd::Vec3::Zero();
   pbd::Vec3 aim_error_ = pbd::Vec3::Zero();
   double flight_ = 0.5;  ///< s, from the stroke to the target

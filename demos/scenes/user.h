@@ -75,8 +75,8 @@ struct GripSpec {
   static constexpr double kSag =
       0.01;  ///< m, by how much the load of for_load() hangs below the hand
 
-  /// A loose grip: `load` (kg) sags by kSag, with a damping ratio of 0.7, and the force limit is
-  /// four times the load's weight. A negative half axis of `spread` mirrors it.
+  /// A loose grip: `load` (kg) sags by kSag, with a damping ratio of 0.7; the force limit is four
+  /// times its weight. A negative half axis of `spread` mirrors it.
   static GripSpec for_load(double load, const pbd::Vec3& spread);
 };
 
@@ -84,7 +84,7 @@ struct GripSpec {
 consensus::GrabDef single_spring(double load);
 
 /// A hand that holds one body by three springs ("loose springs" of [friston] Sec. 5.2). The anchors
-/// are fixed in the hand, the attachments in the body; they coincide when the grip closes.
+/// are fixed in the hand, the attachments in the body; they coincide at first.
 class Grip {
  public:
   /// Must outlive the grip.
@@ -126,8 +126,8 @@ struct HandTask {
   std::function<std::optional<HandPlan>()> plan;
 };
 
-/// Performs its tasks in order: grabs, follows the path, lets go. It skips a task that is too late
-/// (as after a restart) and releases a body that does not follow its hand.
+/// Performs its tasks in order: grabs, follows the path, lets go. It skips a late task (as after a
+/// restart) and releases a body that does not follow its hand.
 class ScriptedUser final : public User {
  public:
   static constexpr double kPatience = 0.5;    ///< s: a task that is later is skipped

@@ -15,7 +15,7 @@ namespace tandem::demos {
 inline constexpr consensus::SessionTime kVirtualStart = 1'000'000'000;
 
 /// One peer of a run in virtual time. Peers with a shared clock step at multiples of the session's
-/// step time, as net::PhysicsClock does: those of one rate step at the same times.
+/// step time, as net::PhysicsClock does: those of one rate step together.
 class Actor {
  public:
   /// @param number  from 0: its id is one more

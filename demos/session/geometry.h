@@ -12,9 +12,9 @@
 
 namespace tandem::demos {
 
-/// Penetration depth of two sharp boxes (m): the least translation along one of the 15 axes of the
-/// separating-axis theorem that separates them; 0 if they do not overlap. Independent of the
-/// engine's own contacts.
+/// Penetration depth of two sharp boxes (m): the least separating translation along one of the 15
+/// axes of the separating-axis theorem; 0 without overlap. Independent of the engine's own
+/// contacts.
 double box_overlap(const pbd::Pose& a, const pbd::Vec3& half_a, const pbd::Pose& b,
                    const pbd::Vec3& half_b);
 
@@ -25,8 +25,8 @@ double ball_box_overlap(const pbd::Vec3& centre, double radius, const pbd::Pose&
 /// Depth of a box's lowest corner below the ground, z = 0 (m); 0 above it.
 double ground_overlap(const pbd::Pose& pose, const pbd::Vec3& half);
 
-/// Appends the depth of every overlap between bodies, and between bodies and fixed parts. Covers
-/// boxes, balls and the half-space z <= 0; other shapes are skipped.
+/// Appends the depth of every overlap of bodies with each other and with fixed parts. Covers boxes,
+/// balls and the half-space z <= 0; other shapes are skipped.
 void append_penetrations(const Scene& scene, std::vector<double>& out);
 
 /// The first body out of bounds, and how; empty if there is none.

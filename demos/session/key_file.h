@@ -17,7 +17,7 @@ inline constexpr std::string_view kForOwnerAlone =
 #endif
 
 /// True if only the owner of a file can read or write it; on Windows only this user, the system and
-/// its administrators. False if that cannot be determined.
+/// its administrators. False if unknown.
 bool for_owner_alone(const std::string& path);
 
 /// Creates a file for its owner alone, never overwriting one.

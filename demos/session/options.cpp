@@ -289,7 +289,6 @@ void check_together(const DemoOptions& o, std::string_view virtual_only,
   }
 }
 
-/// Sets the peer options of a scheme.
 void apply(Scheme scheme, consensus::PeerOptions& options) {
   using consensus::Coupling;
   options.two_step_thresholds = scheme == Scheme::TwoStepPaper;

@@ -119,7 +119,7 @@ struct DemoOptions {
   bool udp() const { return wire == Wire::Auto ? !key.empty() || insecure : wire == Wire::Udp; }
   /// True if virtual peers step at their own times.
   bool steps_off_grid() const { return off_grid || timeline == Timeline::None; }
-  /// Steps per second of the peer of that number, from 0.
+  /// Of peer number `peer`, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }
   /// Another engine has no pass for targets and no forces to report: it uses two-step with the same
@@ -131,7 +131,7 @@ struct DemoOptions {
   /// As given, or the scheme's.
   consensus::PredictorKind predictor_kind() const { return peer_options().predictor; }
   consensus::LinkOptions link_options() const;
-  /// Sets the conditions of all links of the virtual peers 1 to `peers`.
+  /// For virtual peers.
   void set_links(consensus::VirtualNetwork& links) const;
 };
 

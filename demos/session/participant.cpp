@@ -306,8 +306,8 @@ void Participant::record_bodies(consensus::SessionTime now) {
 }
 
 void Participant::look_at_springs(consensus::SessionTime now) {
-  // Hand and body are of the same time here, as the user sees them: the hand has not moved to its
-  // next place, and two-step coupling has not moved the body yet.
+  // Before the next hand motion and two-step displacement, so that hand and body are of the same
+  // time, as the user sees them.
   stretches_.clear();
   if (!recording_) return;
   if (wait_for_exchange_ && !has_exchanged()) return;

@@ -24,8 +24,8 @@ namespace tandem::demos {
 
 /// One peer of a demo: its scene, solver and users, and the record of the run.
 ///
-/// One step from t to u (session times, ns): begin(t) when t has come, step(t, u) at any time until
-/// u, finish(u) when u has come, so that no state is sent before its own time.
+/// One step from t to u (session times, ns): begin(t) at t, step(t, u) at any time until u,
+/// finish(u) at u, so that no state is sent before its own time.
 /// @par Thread safety  One object: one thread at a time.
 class Participant final : private consensus::PeerObserver {
  public:
@@ -53,8 +53,8 @@ class Participant final : private consensus::PeerObserver {
   /// Adds an observer of remote states. Must outlive it.
   void watch_with(consensus::PeerObserver* observer) { observers_.push_back(observer); }
   /// Switches rules from the next step on: a new peer on the same world. Poses, twists and the
-  /// local users' springs stay. The old peer's memory is lost: the others' states and springs until
-  /// they are heard again, leads, and the predictors' errors; its authority grows from zero again.
+  /// local users' springs stay. The old peer's memory is lost: others' states and springs until
+  /// heard again, leads, and predictors' errors; its authority grows from zero again.
   void change_rules(const DemoOptions& options);
 
   const Scene& scene() const { return scene_; }

@@ -47,7 +47,6 @@ std::unique_ptr<Physics> make_physics(Engine engine, const Scene& scene,
 /// True if Bullet is in this build.
 bool has_bullet();
 
-/// Defined in bullet/; see make_physics.
 std::unique_ptr<Physics> make_bullet_physics(const Scene& scene, std::optional<int> iterations);
 
 }  // namespace tandem::demos

@@ -10,7 +10,7 @@ namespace tandem::consensus {
 /// positions extrapolated by velocity, orientations not at all (Sec. 4.2, Eq. 3); the baseline
 /// share (more while only this peer knows the user's constraint, Sec. 3.2; all for an owner, Sec.
 /// 6.3) at any age, since Sec. 3.3 gives no law; no initiative, no arbitration, full authority at
-/// once. Shares are per 1/60 s as elsewhere.
+/// once. Shares are per 1/60 s.
 inline PeerOptions with_published_rules(PeerOptions options) {
   options.predictor = PredictorKind::Euler;
   options.own_predictor = nullptr;

@@ -15,8 +15,8 @@
 
 namespace tandem::demos {
 
-/// Knowledge of the other peers' worlds: the states that they send, at their own stamps, and the
-/// bodies that their users hold. A silent peer has no record.
+/// The other peers' worlds as they send them, at their own stamps, and the bodies that their users
+/// hold. A silent peer has no record.
 class RemoteView {
  public:
   explicit RemoteView(const Scene& scene);

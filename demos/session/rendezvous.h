@@ -18,7 +18,7 @@ namespace tandem::demos {
 ///
 /// Each process sends its epoch every half second. Once a process has heard all its connected peers
 /// and none has an epoch, the lowest peer id sets it. A process without one adopts the earliest
-/// that it hears, so that a late or returning process joins the running script.
+/// heard, and so joins the running script.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class Rendezvous final : public SideChannel {
  public:

@@ -12,9 +12,9 @@
 
 namespace tandem::demos {
 
-/// Carries signals beside a peer's own packets; sits between a peer and its transport. Each signal
-/// takes effect once at each peer, at its time or on arrival, if that is later. Peers send
-/// newcomers all known signals.
+/// Carries signals beside a peer's own packets; sits between a peer and its transport. A signal
+/// takes effect once at each peer, at its time or on later arrival. Newcomers receive all known
+/// signals.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class Signals final : public SideChannel, public SignalSink {
  public:

@@ -36,9 +36,8 @@ class Track {
   const std::vector<TrackSample>& samples() const { return samples_; }
 
   /// The state at `time`: position by the cubic that matches both velocities, or by two straight
-  /// lines if an impact came between them; speed and velocity linearly, orientation on the sphere,
-  /// the rest from the earlier sample. Nothing outside the samples, and between two that are more
-  /// than `max_gap` (ns) apart.
+  /// lines at an impact; speed and velocity linearly, orientation on the sphere, the rest from the
+  /// earlier sample. Nothing outside the samples, and between two more than `max_gap` (ns) apart.
   std::optional<TrackSample> at(consensus::SessionTime time,
                                 consensus::SessionTime max_gap = INT64_MAX) const;
 

@@ -7,8 +7,7 @@
 namespace tandem::demos {
 
 /// All that the last bits of a result may depend on besides the input, in one line: version,
-/// compiler and flags, C library, and the instructions of this machine by which it selects
-/// functions.
+/// compiler and flags, C library, and the instructions by which it selects functions.
 std::string build_facts();
 
 }  // namespace tandem::demos

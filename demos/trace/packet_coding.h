@@ -12,9 +12,9 @@
 
 namespace tandem::demos {
 
-/// The last packets of a trace, by sender and length. A peer's state packet names the same bodies
-/// as its last one, and most have not moved, so packets differ little. Bounded, and no allocation
-/// once its buffers have grown.
+/// The last packets of a trace, by sender and length. Successive state packets name the same
+/// bodies, most of which have not moved, so they differ little. Bounded, and no allocation once its
+/// buffers have grown.
 class PacketHistory {
  public:
   /// The last one of this sender with this length; empty if there is none.

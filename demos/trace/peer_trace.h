@@ -23,7 +23,7 @@ TraceHeader trace_header(const Scenario& scenario, const DemoOptions& options, c
                          std::size_t number);
 
 /// Records everything that happens to one peer: sits between it and its transport, and watches its
-/// steps. Each record is in the file before it takes effect, so that a crash loses only the step's
+/// steps. Records are written before they take effect, so that a crash loses only the step's
 /// hashes.
 /// @par Thread safety  One object: the thread that steps the peer's world.
 class PeerTrace final : public StepWatch, private TraceSink {

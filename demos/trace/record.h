@@ -26,7 +26,6 @@ struct TraceHeader {
   friend bool operator==(const TraceHeader&, const TraceHeader&) = default;
 };
 
-/// Hashes after one stage of a step.
 struct StageHash {
   std::uint64_t all = 0;
   std::vector<std::uint32_t> bodies;  ///< in the scene's order
@@ -73,7 +72,6 @@ struct TraceRecord {
   std::uint64_t steps = 0;             ///< End: number of solved steps
 };
 
-/// True if a record of this kind begins a phase.
 constexpr bool begins_phase(TraceKind kind) {
   return kind == TraceKind::User || kind == TraceKind::Begin || kind == TraceKind::Step ||
          kind == TraceKind::Finish || kind == TraceKind::Leave || kind == TraceKind::Rules ||
@@ -88,7 +86,6 @@ class TraceError : public std::runtime_error {
                            pbd::detail::must_be(what, rule)) {}
 };
 
-// Flags of a packet.
 inline constexpr std::uint8_t kDated = 1;  ///< the transport knows its time of arrival
 inline constexpr std::uint8_t kCoded = 2;  ///< relative to an earlier packet
 inline constexpr int kDeniedShift = 2;     ///< two bits: distance of its role below Share

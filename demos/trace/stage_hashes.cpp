@@ -12,7 +12,7 @@ namespace tandem::demos {
 namespace {
 
 /// A word at a time, since worlds of a thousand bodies are hashed twice per step. Each operation is
-/// a bijection of the hash and of the word, so that a single differing bit is never lost.
+/// a bijection of hash and word, so that a single differing bit is never lost.
 void mix(std::uint64_t& hash, std::uint64_t word) {
   hash = (hash ^ word) * 0x9e3779b97f4a7c15ull;
   hash ^= hash >> 29;

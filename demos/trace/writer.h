@@ -13,8 +13,8 @@
 
 namespace tandem::demos {
 
-/// Encodes a trace; docs/trace.md has the format. The caller keeps the order of records that
-/// TraceReader expects. No allocation once its buffers have grown.
+/// Encodes a trace; docs/trace.md has the format. The caller keeps TraceReader's order of records.
+/// No allocation once its buffers have grown.
 /// @par Thread safety  One object: one thread at a time.
 class TraceWriter {
  public:

@@ -17,9 +17,8 @@ namespace tandem::demos::view {
 /// A run in virtual time that advances on request, with commands of pages in between. It knows no
 /// clock and no sockets: same calls, same bits.
 ///
-/// The same run may be shown beside it with another coupling: both begin together and advance in
-/// lockstep, with the same scripted users and pages. Panes are the peers of the run, then those of
-/// the second run.
+/// A second run with another coupling may be shown beside it: both begin together and advance in
+/// lockstep, with the same scripted users and pages. Its panes come last.
 /// @par Thread safety  One object: one thread at a time.
 class LiveSession {
  public:

@@ -46,7 +46,6 @@ class LiveWorlds {
   /// @param out    a frame per peer
   /// @param first  index of the first of them among all panes
   void show(consensus::SessionTime now, std::span<PaneFrame> out, std::size_t first, bool overlays);
-  /// The record so far of each peer.
   std::vector<PeerRecord> records();
   /// The scores so far of each peer and its users.
   void append_outcomes(std::vector<Outcome>& out);

@@ -48,8 +48,8 @@ class Mouse final : public User {
   std::vector<Grip> grips_;
 };
 
-/// m, frame of the body: the point of its bounding box nearest to `point` (m, world). The page saw
-/// the body slightly earlier, so the touched point may be off the body by now.
+/// m, frame of the body: the point of its bounding box nearest to `point` (m, world), since the
+/// page saw the body slightly earlier.
 pbd::Vec3 held_at(const Scene& scene, std::size_t body, const pbd::Vec3& point);
 
 }  // namespace tandem::demos::view

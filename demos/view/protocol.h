@@ -91,7 +91,7 @@ struct ContactMark {
 };
 struct SpringMark {
   static constexpr std::uint8_t kElsewhere = 255;
-  std::uint16_t body = 0;                    ///< the held body
+  std::uint16_t body = 0;
   pbd::Vec3 anchor = pbd::Vec3::Zero();      ///< m, world
   pbd::Vec3 attachment = pbd::Vec3::Zero();  ///< m, world
   std::uint8_t pane = kElsewhere;            ///< of the spring's user
@@ -124,10 +124,8 @@ inline constexpr std::chrono::nanoseconds kFrameTime{16'666'667};
 struct Frame {
   double time = 0.0;             ///< s, session time since the start
   std::vector<PaneFrame> panes;  ///< of the layout, without the second run if it is off
-  bool overlays = false;         ///< overlays are filled in
+  bool overlays = false;         ///< filled in
 };
-
-// Commands of a page.
 
 /// Identifies a page of one program; never reused.
 using PageId = std::uint64_t;
@@ -168,7 +166,6 @@ struct SetBeside {
 };
 struct Step {};
 struct Restart {};
-/// Asks for the score.
 struct Ask {};
 struct Want {
   bool overlays = false;

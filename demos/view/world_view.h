@@ -19,7 +19,6 @@ namespace tandem::demos::view {
 class WorldView {
  public:
   virtual ~WorldView() = default;
-  /// Observes the peer's remote states.
   virtual consensus::PeerObserver& observer() = 0;
   /// The user whose hands are on the page; call once, and update it before each step. Without
   /// effect once the view is gone.

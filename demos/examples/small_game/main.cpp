@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // A small game without graphics. Two players, each with their own world, 28.5 ms apart. The first
-// one walks through a door and into a stack of boxes; the second one drives the car. Both see
-// everything, and nobody owns doors, boxes or cars.
+// walks through a door and into a stack of boxes; the second drives the car. Nobody owns doors,
+// boxes or cars.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Buttons and fields for a running session's settings and for drawing. They show the server's state; a change is
-// requested, and shown once it has happened.
+// Buttons and fields for a running session's settings and for drawing. They show the server's state: a requested change
+// shows once it has happened.
 import {schemeName} from './words.js';
 
 /** ms, one way, by profile of the virtual link. */

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Mouse, pen and fingers on the canvas. Pressing on a body grabs it at that point and drags it in
-// the plane that faces the camera; elsewhere dragging turns the view, two fingers or the wheel
-// zoom.
+// Mouse, pen and fingers on the canvas. Pressing on a body grabs it and drags it in the plane that
+// faces the camera; elsewhere dragging turns the view; two fingers or the wheel zoom.
 import * as THREE from './three.module.min.js';
 import {paneAt} from './panes.js';
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// A figure for each user with a head or a racket: head, body, legs and arms in the user's colour.
-// Figures stand on the ground z = 0 and are not part of the world. World frame, m.
+// A figure for each user with a head or a racket, in the user's colour. Figures stand on the ground
+// z = 0 and are not part of the world. World frame, m.
 import * as THREE from './three.module.min.js';
 import {peerColour} from './colours.js';
 import {Dots, Sticks} from './marks.js';
@@ -13,7 +13,6 @@ const SHOULDER = 0.2;   // m from the spine
 const PLAYER = 1.62;    // m, head of a player with only a racket
 const BACK = 2.0;       // m from the net to the players
 
-/** The scene's bodies of one user. */
 function partsOf(bodies, user) {
   const find = (name) => bodies.findIndex((body) => body.name === name);
   return {head: find(`head/${user}`), racket: find(`racket/${user}`),

@@ -33,7 +33,6 @@ function makeBatches(bodies) {
   return [...batches.values()];
 }
 
-/** One peer's bodies as drawn. */
 class PeerBodies {
   constructor(colour, bodies, batches, colours, materials) {
     this.own = new THREE.Color(colour);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The last two frames by session time, and the interpolation between them: a picture shows one instant for all peers,
-// bodies and marks. Independent of the page. Lengths m, times s, world frame with z up, quaternions x y z w.
+// Interpolates between the last two frames by session time: a picture shows one instant for all peers, bodies and
+// marks. Independent of the page. Lengths m, times s, world frame with z up, quaternions x y z w.
 
 const LONGEST = 600;  // ms between two frames that are still joined: the server's interval at rest
 
-/** Moves a point along with a body. */
 function carried(point, from, to, body) {
   const {positions: p0, orientations: q0} = from;
   const {positions: p1, orientations: q1} = to;
