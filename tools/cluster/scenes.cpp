@@ -60,7 +60,7 @@ void add_walls(Scene& scene, const Vec3& min, const Vec3& max) {
   }
 }
 
-/// The cliff from one y (m) to another.
+/// m
 Shape cliff_ground(double begin, double end) {
   const double cell = 2.0 * demos::kCliffHalf / demos::kCliffCells;
   const auto rows = static_cast<std::uint32_t>(std::ceil((end - begin) / cell));

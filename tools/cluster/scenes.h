@@ -28,13 +28,14 @@ struct Scene {
   std::function<SceneBody(std::size_t)> body;  ///< argument below `bodies`
 };
 
-/// Names for make_scene().
 std::span<const std::string_view> scene_names();
 
 /// @param size  of "cliff": balls, a thousand per 4.5 m of edge; of "edge": the same, with walls at
-///   the last balls, for equal density at any size; of "cubes": stacks of five; of "heap": bodies,
-///   balls and boxes, a thousand per 6 m^2 of a pit; of "pyramid": cubes in its lowest row; 0: 1000
-///   balls, 100 stacks, 1000 bodies, 20 cubes
+///   the last balls, for equal density at any size; of "cubes": stacks of five; of "heap": balls
+///   and
+///   boxes, a thousand per 6 m^2 of a pit; of "pyramid": cubes in its lowest row; 0: 1000 balls,
+///   100
+///   stacks, 1000 bodies, 20 cubes
 /// @throws std::invalid_argument if there is no such scene
 Scene make_scene(std::string_view name, std::size_t size);
 

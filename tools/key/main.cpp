@@ -63,7 +63,6 @@ net::Role role(std::string_view text) {
   demos::refuse("ROLE", text, "watch, act or share");
 }
 
-/// The key in a file named by an option.
 net::Key file(demos::Argument& in) {
   const std::string name = in.text();
   try {

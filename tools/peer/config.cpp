@@ -38,7 +38,7 @@ class Section {
                       pbd::detail::must_be(prefix_ + std::string(key), rule, text(node)));
   }
 
-  /// The node of a key; null where it is absent.
+  /// Null if absent.
   const toml::node* take(std::string_view key) const { return table_.get(key); }
   bool has(std::string_view key) const { return table_.get(key) != nullptr; }
 
@@ -144,7 +144,6 @@ bool is_host_port(const std::string& text) {
   return true;
 }
 
-/// A key file: resolves its name and checks its content.
 void read_key_file(const Section& in, const char* key, const std::filesystem::path& folder,
                    std::string& name) {
   if (name.empty()) return;
@@ -156,7 +155,6 @@ void read_key_file(const Section& in, const char* key, const std::filesystem::pa
   }
 }
 
-/// Reads the keys for a group with an organiser.
 void read_organiser(Section& in, const std::filesystem::path& folder, PeerConfig& config) {
   DemoOptions& o = config.session;
   std::string digits;

@@ -9,9 +9,8 @@
 
 namespace tandem::demos {
 
-/// Distance of other peers' copies from ours: each used state is compared with our body at the
-/// state's stamp. States of bodies that our user leads are unused, so those are measured only at
-/// the others.
+/// Distance of other peers' copies from ours at the stamps of used states. States of bodies that
+/// our user leads are unused, so those are measured only at the others.
 /// @par Thread safety  One object: the thread of its peer.
 class DivergenceGauge final : public consensus::PeerObserver {
  public:

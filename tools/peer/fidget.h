@@ -13,8 +13,8 @@
 
 namespace tandem::demos {
 
-/// A restless user: grabs a body near the hand, lifts and moves it, releases it, waits, and repeats
-/// for ever. Bodies stay within kReach of their start. For soak tests.
+/// A restless user for soak tests: grabs a body near the hand, moves it, releases it, waits, and
+/// repeats for ever. Bodies stay within kReach of their start.
 /// @par Thread safety  One object: the thread of its peer.
 class Fidget final : public User {
  public:

@@ -18,7 +18,7 @@ struct LinkFigures {
 };
 
 /// Small numbered probes between peers, beside a session's packets. They measure the loss and the
-/// round trip from program to program, including the waits for each one's next step.
+/// round trip from program to program, including the waits for steps.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class LinkWords final : public SideChannel {
  public:
@@ -50,7 +50,7 @@ class LinkWords final : public SideChannel {
   bool hear(const consensus::Packet& packet) override;
   void count(Link& link, std::uint32_t number);
 
-  std::map<consensus::PeerId, Link> links_;  ///< of connected peers
+  std::map<consensus::PeerId, Link> links_;
   std::int64_t now_ = 0;
   std::int64_t next_word_ = 0;
   std::int64_t next_period_ = 0;

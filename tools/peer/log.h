@@ -14,7 +14,6 @@ namespace tandem::demos {
 
 enum class Level : std::uint8_t { Debug, Info, Warn, Error };
 std::string_view to_string(Level level);
-/// Parses a level's name into `level`.
 bool parse_level(std::string_view text, Level& level);
 
 struct Field {
@@ -27,8 +26,7 @@ struct Field {
 };
 
 /// A line of logfmt without its end: time, level, event, then the fields. Values may contain remote
-/// input: control characters and bytes above 126 are escaped as \xNN, and values are truncated to
-/// 200 bytes.
+/// input: control characters and bytes above 126 become \xNN, and values are cut to 200 bytes.
 std::string logfmt(std::chrono::system_clock::time_point time, Level level, std::string_view event,
                    std::initializer_list<Field> fields);
 

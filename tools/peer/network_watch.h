@@ -19,7 +19,7 @@
 namespace tandem::demos {
 
 /// Logs events of a peer's network: members joining and leaving, refusals, changes by the
-/// organiser. Each is logged once; those that strangers cause are rate-limited.
+/// organiser. Events caused by strangers are rate-limited.
 class NetworkWatch {
  public:
   NetworkWatch(const PeerConfig& config, Network& network, DivergenceGauge& divergence, Log& log)

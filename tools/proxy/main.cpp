@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Real datagrams over a bad network: forwards a port to another address and back, with the virtual
-// link's seeded delay, jitter, loss, duplication, reordering and rate.
+// Simulates a bad network: forwards datagrams from a port to another address and back, with the
+// virtual link's seeded delay, jitter, loss, duplication, reordering and rate.
 #include <algorithm>
 #include <array>
 #include <asio/buffer.hpp>
@@ -150,7 +150,6 @@ std::unique_ptr<Route> route(asio::io_context& io, const Settings& settings,
   return std::make_unique<Route>(io, settings, port, *found.begin());
 }
 
-/// Options of all routes' links.
 std::vector<Option> link_options(Settings& settings) {
   LinkOptions& link = settings.link;
   const auto chance = [](std::string_view name, double most, double& into) {

@@ -14,7 +14,7 @@
 namespace tandem::demos {
 
 /// The first difference between two traces of one peer, over their common length; nothing if there
-/// is none. Nothing is replayed, so traces of different programs or machines can be compared.
+/// is none. Nothing is replayed, so the programs or machines may differ.
 /// @throws TraceError
 std::optional<Departure> first_difference(TraceReader& a, TraceReader& b);
 

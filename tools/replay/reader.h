@@ -12,8 +12,8 @@
 
 namespace tandem::demos {
 
-/// Reads a trace from any source: all input is validated, and records come in the order that
-/// docs/trace.md requires. Memory is bounded by the size of the trace.
+/// Reads a trace from any source: validates all input and the order of records in docs/trace.md.
+/// Memory is bounded by the size of the trace.
 /// @par Thread safety  One object: one thread at a time.
 class TraceReader {
  public:
@@ -22,7 +22,7 @@ class TraceReader {
 
   const TraceHeader& header() const { return header_; }
   /// Reads the next record into `record`, reusing its memory except for packets. False at the end,
-  /// and if the rest is too short for a record: the trace was cut off there.
+  /// and if the trace was cut off there.
   /// @throws TraceError
   bool next(TraceRecord& record);
   /// True once the End has been read.

@@ -34,9 +34,9 @@ constexpr std::size_t kMaxProfileBytes = 512;
 ///
 /// A member draws its id and its `life` at each start. The key from a to b is BLAKE2b of both ids
 /// and lives under the room's key, so that recordings of other lives open nothing. Each id has one
-/// life, and members that may come back are kept, so no counter is used twice with one key. Hellos
-/// are XChaCha20-Poly1305, packets ChaCha20-Poly1305 (IETF) with the counter as nonce, both with
-/// sender, receiver and room as authenticated data.
+/// life and is never forgotten, so no counter is used twice with one key. Hellos are
+/// XChaCha20-Poly1305, packets ChaCha20-Poly1305 (IETF) with the counter as nonce; sender, receiver
+/// and room are authenticated data.
 /// @par Thread safety  Distinct objects: safe. One object: one thread at a time.
 class Cipher {
  public:

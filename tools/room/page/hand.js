@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // A hand that holds a body by a spring: at most four times its weight, 2 m/s fast and 10 cm from the held point, so
-// that a long pull tows instead of throwing. A pointer moves in steps, one per picture, which other peers would
-// extrapolate: the hand follows it as by a critically damped spring.
+// that a long pull tows instead of throwing. A pointer moves in steps, which other peers would extrapolate: the hand
+// follows it as by a critically damped spring.
 import {minus, plus, poseOf, shortened, toWorld} from './poses.js';
 
 const SMOOTH = 0.03;      // s

@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // The room in a headset, by WebXR: the user's position, both hands, and locomotion. Hands release in any doubt: a lost
-// controller, a session that ends or is in the background.
+// controller, a session that ends or is hidden.
 import {nearest} from './nearest.js';
 import {Stand, landing} from './stand.js';
 

@@ -11,7 +11,7 @@ export const STATES = 0;      // sharing, may be lost
 export const CONSTRAINTS = 1; // sharing
 export const WORDS = 2;       // JSON
 export const DIGEST = 3;      // positions of the sender's bodies
-export const HAND = 4;        // the sender's hand
+export const HAND = 4;
 
 const isReliable = (channel) => channel === CONSTRAINTS || channel === WORDS;
 const encode = (value) => new TextEncoder().encode(JSON.stringify(value));
@@ -60,7 +60,6 @@ export class Members {
     });
   }
 
-  /** Present members. */
   get here() { return [...this.all.values()].filter((member) => member.here); }
 
   /** Another member uses another key. */

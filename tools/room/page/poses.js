@@ -8,7 +8,6 @@ export const plus = (a, b) => a.map((x, i) => x + b[i]);
 export const scaled = (a, s) => a.map((x) => x * s);
 export const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 export const between = (a, b, part) => a.map((x, i) => x + part * (b[i] - x));
-/** Limits the length to `most`. */
 export const shortened = (way, most) => {
   const length = Math.hypot(...way);
   return length > most ? way.map((x) => x * most / length) : way;
@@ -29,7 +28,6 @@ export const unit = (q) => scaled(q, 1 / Math.hypot(...q));
 
 export const toWorld = ({position, orientation}, p) => plus(position, rotated(orientation, p));
 export const toLocal = ({position, orientation}, p) => rotated(inverse(orientation), minus(p, position));
-/** A body's present pose. */
 export const poseOf = (body) => ({position: [...body.position], orientation: [...body.orientation]});
 /** From a to b, by the shorter rotation. @param {number} part  0 to 1 */
 export function mixed(a, b, part) {

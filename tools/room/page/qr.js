@@ -66,7 +66,6 @@ function codewords(bytes, version) {
   return out;
 }
 
-/** value followed by its BCH remainder. */
 function bch(value, generator, degree) {
   let rest = value << degree;
   for (let i = 31 - Math.clz32(rest); i >= degree; --i) if (rest >> i & 1) rest ^= generator << i - degree;

@@ -15,7 +15,6 @@ const HEADER = 9;
 const AGAIN_MS = 1500;
 const MOST_WAITING = 1 << 20;  // bytes queued, above which losable messages are not sent
 
-/** A message of a kind about a member. */
 function message(kind, id, bytes = new Uint8Array(0)) {
   const out = new Uint8Array(HEADER + bytes.length);
   const view = new DataView(out.buffer);

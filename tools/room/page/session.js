@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // This page as a peer: its world in steps of session time, shared with the room's members. A hidden page leaves and
-// releases its grips; once visible again it joins like a newcomer, which learns before it is heard.
+// releases its grips; once visible it rejoins like a newcomer, which learns before it is heard.
 import {Peer, Transport} from './tandem.js';
 import {Clock} from './clock.js';
 import {Grip} from './grip.js';

@@ -21,7 +21,6 @@ namespace tandem::room {
 class MemberSocket;
 using Message = std::shared_ptr<const std::vector<std::uint8_t>>;
 
-/// Limits of one member's traffic and queue.
 struct MemberLimits {
   double messages_per_s = 3000.0;
   double bytes_per_s = 6e6;

@@ -26,8 +26,8 @@ struct ServerOptions {
   MemberLimits member;
 };
 
-/// Serves a room's page, announces members to each other and relays their sealed messages. It never
-/// has the room's key. Runs on its own thread.
+/// Serves a room's page, announces members to each other and relays their sealed messages, without
+/// the room's key. Runs on its own thread.
 /// @par Thread safety  Safe: all methods from any thread.
 class RoomServer {
  public:
