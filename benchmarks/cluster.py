@@ -3,9 +3,8 @@
 # Copyright (c) 2026 The Tandem authors
 """Step time of each rank of tandem-cluster, as if each had its own processor.
 
-Under mpirun with fewer processors than ranks, ranks share caches and clocks. So that run only records each rank's
-input; then each rank is replayed alone, --repeats times, and each step counts with its least time. The undivided world
-is one rank, measured in the same way in between.
+mpirun with fewer processors than ranks only records each rank's input; then each rank is replayed alone, --repeats
+times, and each step counts with its least time. The undivided world is one rank, measured in between.
 
     benchmarks/cluster.py build/release/bin --scene cliff --ranks 4 8
     benchmarks/cluster.py build/release/bin --scene heap --per-rank 1000 --ranks 4 16 64

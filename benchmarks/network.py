@@ -6,8 +6,8 @@
     benchmarks/network.py build/release/bin results            three seeds
     benchmarks/network.py build/release/bin results --report   from existing results
 
-A proxy is the bad network. Writes network.csv, docs/network-measurements.md and the rows in its folder. Runs in wall
-time: other load on the machine changes the result. Existing runs are kept; a run older than its program runs again.
+Writes network.csv, docs/network-measurements.md and the rows in its folder. Runs in wall time: other load changes the
+result. Existing runs are kept; a run older than its program runs again.
 """
 import argparse
 import sys

@@ -8,10 +8,9 @@
     benchmarks/one_pass_vs_two_step.py build/release/bin results --report   from existing results
     benchmarks/one_pass_vs_two_step.py build/release/bin results --sections couplings stability
 
-A section is a module in one_pass_vs_two_step/ with two functions: measure(binaries, results, seeds, jobs, quick) writes
-tables into the folder of results; report(results, docs) returns a section of text and writes its long tables as CSV
-beside the page. A section's first paragraph is its finding, which the page shows at its head. A section without results
-is kept.
+A section is a module with two functions: measure(binaries, results, seeds, jobs, quick) writes tables into the folder
+of results; report(results, docs) returns text and writes long tables as CSV beside the page. The first paragraph is the
+section's finding, shown at the page's head. A section without results is kept.
 """
 import argparse
 import importlib

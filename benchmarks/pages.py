@@ -55,8 +55,8 @@ def sections(path):
 
 def write(path, text):
     """Writes a page. Tables of more than MOST_ROWS rows become files in a folder of the page's name, named after their
-    heading; the page links to them. So does every table under a line "@csv NAME TITLE", by that name and as a list
-    item. Files that `text` already links to, in sections that were kept, stay."""
+    heading and linked. So does every table under a line "@csv NAME TITLE", by that name and as a list item. Files
+    linked by `text` from a kept section stay."""
     path = Path(path)
     folder = path.with_suffix("")
     kept = set(re.findall(rf"\({re.escape(folder.name)}/([^)]*\.csv)\)", text))

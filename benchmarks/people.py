@@ -7,8 +7,8 @@
   benchmarks/people.py BIN udp       the same eight people over UDP and NATS, by seed
   benchmarks/people.py BIN restart   a server that is killed and restarted midway
 
-BIN is the folder of a build with -DTANDEM_WITH_NATS=ON. Costs are processor time (user and system) and bytes per person
-and second of session time, of the one process with all people; the server's are separate. No wall clock.
+BIN is the folder of a build with -DTANDEM_WITH_NATS=ON. Costs are CPU time and bytes per person and second of session
+time, of the process with all people; the server's are separate. No wall clock.
 """
 import argparse
 import contextlib

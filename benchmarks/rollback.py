@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Prediction with rollback compared with agreement and single owners (docs/rollback.md): runs bin/rollback over scenes,
-networks, people and seeds.
+"""Prediction with rollback compared with agreement and single owners (docs/rollback.md).
 
   benchmarks/rollback.py BIN run     benchmarks/data/rollback.csv, a line per run
   benchmarks/rollback.py BIN tables  means over seeds, in docs/rollback/*.csv and here; the page shows some of them
 
-BIN is the folder of a build. Processor time depends on other load on the machine: compare it within one run.
+Runs bin/rollback over scenes, networks, people and seeds. BIN is the folder of a build. Processor time depends on other
+load on the machine: compare it within one run.
 """
 import argparse
 import concurrent.futures

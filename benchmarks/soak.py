@@ -6,9 +6,9 @@
     benchmarks/soak.py build/release/bin                               8 peers, 10 minutes
     benchmarks/soak.py build/release/bin --minutes 2 --profile 3 --loss 0.05
 
-With --profile or --loss all links go through a proxy. Requirements: all peers stay connected, memory does not grow
-after the first fifth, the number of descriptors is constant, divergence stays below a bound, no world breaks, no
-process ends early. Exits with 1 if one fails.
+--profile and --loss put a proxy into all links. Requirements: peers stay connected, memory does not grow after the
+first fifth, the number of descriptors is constant, divergence stays below a bound, no world breaks, no process ends
+early. Exits with 1 if one fails.
 """
 import argparse
 import contextlib

@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Cost of a step by stage, from bodies alone to everything at once. A hundred bodies; the fastest
-// of several runs, in microseconds, and below it the stages that ran and that were skipped. A stage
-// without a number did not run.
+// of several runs, in microseconds, and the stages that ran and that were skipped. A stage without
+// a number did not run.
 #include <algorithm>
 #include <array>
 #include <cstdio>

@@ -44,6 +44,5 @@ def save_svg(figure, path):
 
 
 def on_page(drawn, docs, caption):
-    """The page's line for a drawn figure."""
     shutil.copyfile(drawn, docs / drawn.name)
     return f"![{caption}]({drawn.name})"

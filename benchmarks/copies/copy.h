@@ -42,7 +42,6 @@ class CopyBuilder {
     pbd::Twist twist = {};
   };
   pbd::BodyId box(const BoxDef& def);
-  /// A fixed box.
   void wall(const pbd::Vec3& centre, const pbd::Vec3& half);
   /// A fixed body without a shape.
   pbd::BodyId hook();

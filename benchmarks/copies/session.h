@@ -21,7 +21,6 @@ using consensus::SessionTime;
 inline constexpr SessionTime kStart = 1'000'000'000;  ///< ns
 
 inline SessionTime ns(double seconds) { return std::llround(1e9 * seconds); }
-/// The shared id of body number `index`.
 consensus::SharedId shared_id(std::size_t index);
 
 /// s: latency at which states are `frames` steps of 1/60 s old on use. Slightly less, so that

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Builds pbd, collision and the program `determinism` for another processor, system or standard library, runs it, on an
-# emulator if necessary, and prints its lines: table.sh --cross compares them with those of the local compilers.
-#   benchmarks/determinism/cross.sh aarch64-linux|x86_64-windows|libcxx [arguments of determinism: scenes, --steps N]
+# Builds pbd, collision and `determinism` for another processor, system or standard library, runs it, on an emulator if
+# necessary, and prints its lines for table.sh --cross.
+#   benchmarks/determinism/cross.sh aarch64-linux|x86_64-windows|libcxx [arguments of determinism]
 # Needs the packages of cmake/install-deps.sh --with-cross.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Runs ten scenes and prints the hash of all motion, one line each: name, steps, hash. Every
-// machine and compiler gives the same hashes (docs/determinism.md).
+// machine and compiler gives the same (docs/determinism.md).
 //   determinism [--steps N] [--lanes 2|4] [--seconds] [SCENE...]
 // --seconds adds the processor time of each scene.
 #include <cinttypes>

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Builds the program `determinism` with g++, with clang and, if built before (preset web), for WebAssembly, runs all of
-# them and prints the table of docs/determinism.md. Exits with 1 if two hashes differ.
-#   benchmarks/determinism/table.sh [--quick|--cross] [arguments of determinism: scenes, --steps N]
+# Builds `determinism` with g++, clang and, if built before (preset web), for WebAssembly, runs all of them and prints
+# the table of docs/determinism.md. Exits with 1 if two hashes differ.
+#   benchmarks/determinism/table.sh [--quick|--cross] [arguments of determinism]
 # --quick: without clang
-# --cross: also libc++, ARM and Windows, the latter two on emulators (cross.sh), ten minutes more
+# --cross: also libc++, ARM and Windows, by cross.sh, ten minutes more
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 

@@ -9,7 +9,6 @@
 
 namespace tandem::bench {
 
-/// Adds the scene's joints to the world.
 /// @param ids  of the scene's bodies, in their order
 /// @throws std::invalid_argument for a kind of joint that this build lacks
 void add_joints(pbd::World& world, const Scene& scene, std::span<const pbd::BodyId> ids);

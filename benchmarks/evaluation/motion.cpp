@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 
-// Checks that sharing does not slow bodies down: compares two peers over the slowest link with a
-// single peer. Prints, per predictor and motion, the largest difference of speed as a fraction of
-// the single peer's speed.
+// Checks that sharing does not slow bodies down. Prints, per predictor and motion, the largest
+// difference in speed between two peers on the slowest link and a single peer, as a fraction of the
+// latter's speed.
 
 #include <algorithm>
 #include <array>

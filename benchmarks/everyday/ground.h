@@ -23,8 +23,8 @@ struct Solid {
   collision::Shape shape;
   SolidDef def;
 };
-/// Level ground with its top at z = 0, extending `reach` (m) from the origin. Meshes and fields
-/// have cells of a 16th of it, none with a corner at the origin.
+/// Level ground with its top at z = 0, extending `reach` (m) from the origin. Cells of meshes and
+/// fields are a 16th of it, without a corner at the origin.
 Solid level_ground(Ground ground, double friction, double reach);
 
 /// @tparam World  Scene or AnyWorld
@@ -40,7 +40,6 @@ collision::Shape level_mesh(double low, double high, double reach, int columns, 
 /// Depth of the lowest point below z = 0, m.
 double depth_below(const Pose& shape_pose, std::span<const Vec3> points);
 
-/// "a = 1, b = 2" from pairs.
 std::string told(std::initializer_list<std::pair<const char*, double>> values);
 
 }  // namespace tandem::everyday

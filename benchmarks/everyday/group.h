@@ -9,8 +9,8 @@
 
 #include "demos/engine/engine.h"
 
-/// Small scenes that users of any engine build, each with many variations: sizes, angles, speeds,
-/// phases within a step, grounds. The bounds come from physics, at the engine's default setting.
+/// Small scenes that users of any engine build, each with many sizes, angles, speeds, phases within
+/// a step and grounds. The bounds come from physics, at the engine's default setting.
 namespace tandem::everyday {
 
 /// The worst case of one measure of a group.

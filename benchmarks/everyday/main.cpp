@@ -4,7 +4,7 @@
 // Everyday scenes with many variations, and the worst case of each group beside its bound.
 //   everyday [--engine jolt] [--kind E4] [--only TEXT] [--quick] [--json FILE] [--cases] [--list]
 // Exit code 1 if a line of Tandem fails without a known entry, or a known entry holds in all cases.
-// Another engine is not judged: cases that its adapter lacks are left out.
+// Other engines are not judged; cases that an adapter lacks are left out.
 #include <cstdio>
 #include <fstream>
 #include <map>

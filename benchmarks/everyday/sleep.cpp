@@ -59,7 +59,6 @@ Quat any_turn(pbd::SplitMix64& random) {
       3.0 * Vec3(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)));
 }
 
-/// Rains bodies from `make` in layers of 9.
 template <class Make>
 Build rain(int count, double size, Make make) {
   return [=](AnyWorld& scene, std::vector<BodyId>& bodies, pbd::SplitMix64& random) {

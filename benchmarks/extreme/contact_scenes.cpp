@@ -10,7 +10,7 @@
 namespace tandem::extreme_bench {
 namespace {
 
-constexpr double kWallFace = 1.0;  // m, face of the wall
+constexpr double kWallFace = 1.0;  // m
 
 /// A user's path 1.5 m into the wall, and back unless it stays.
 Vec3 there_and_back(double time, const Vec3& start, bool stays) {
@@ -54,7 +54,6 @@ Scene noisy_stack(std::string name, int boxes, double noise, double degrees) {
   return scene;
 }
 
-/// S7: a box that a user pushes into a stack of four.
 Scene push_stack() {
   Scene scene{.name = "S7 box pushes stack", .group = "solver", .seconds = 7.0};
   scene.build = [](int) {

@@ -5,8 +5,8 @@
 namespace tandem::extreme_bench {
 
 /// Prints, as CSV, one peer's CPU time (us) per body and step in a session of 2 to 16: of the
-/// solver, and of the session (packets, prediction, fusion). Each value is from the least disturbed
-/// tenth of rounds, in which all session sizes take turns.
+/// solver, and of packets, prediction and fusion. Session sizes take turns; each value is from the
+/// least disturbed tenth of rounds.
 void print_costs();
 
 }  // namespace tandem::extreme_bench

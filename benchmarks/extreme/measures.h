@@ -9,7 +9,6 @@
 
 namespace tandem::extreme_bench {
 
-/// All copies at one moment.
 struct Sample {
   double apart = 0.0;        ///< m, rms over bodies of the largest distance between two copies
   double turned = 0.0;       ///< rad, the same for rotations
@@ -21,10 +20,9 @@ Sample sample(const std::vector<std::unique_ptr<peers_bench::Site>>& sites);
 
 /// Kinetic energy and work of one copy, step by step. All J.
 ///
-/// The work is that of gravity and of all users' springs; displacement by agreement does none.
-/// Gravity's comes from velocities by the trapezoidal rule, exact for a constant force (pushing
-/// bodies apart changes heights, but adds no energy). Springs' is the mean of the forces at the
-/// ends of the step, times the motion of the held point.
+/// Work is done by gravity and users' springs, none by agreement's displacement. Gravity's comes
+/// from velocities by the trapezoidal rule, exact for a constant force (pushing bodies apart adds
+/// no energy). Springs' is the mean force over the step times the held point's motion.
 class EnergyAccount {
  public:
   explicit EnergyAccount(const peers_bench::Site& site);

@@ -71,7 +71,7 @@ inline constexpr double kHalf = 0.25;  ///< m, of a default box, 1 kg
 inline constexpr double kKnown = 0.5;
 
 Vec3 up(double z);
-/// Its top is at this height.
+/// Top at `height`.
 void floor(CopyBuilder& b, double height = 0.0);
 pbd::BodyId box_at(CopyBuilder& b, const Vec3& position, double mass = 1.0);
 /// A box on the floor that two users pull to and fro.

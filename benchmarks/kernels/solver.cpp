@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Cost of constraint rows at the default setting: contacts of a resting tower (recycled, so that
-// nearly all time is the solver's), links of a swinging chain. row_time is that of one manifold or
-// joint in one substep. body_time is that of one box in a whole step with detection, in up to 64
-// 000 boxes in stacks of ten that do not sleep.
+// Cost at the default setting of contacts in a resting tower (recycled, so that nearly all time is
+// the solver's) and links of a swinging chain. row_time is that of one manifold or joint in one
+// substep. body_time is that of one box in a whole step with detection, in up to 64 000 boxes in
+// stacks of ten, kept awake.
 #include "tandem/pbd/solver.h"
 
 #include <benchmark/benchmark.h>

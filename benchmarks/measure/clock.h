@@ -16,7 +16,7 @@ inline double seconds(clockid_t clock) {
   clock_gettime(clock, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
-/// s, wall clock.
+/// s
 inline double wall_seconds() { return seconds(CLOCK_MONOTONIC); }
 /// s, CPU time of the calling thread.
 inline double thread_seconds() { return pbd::thread_cpu_seconds(); }

@@ -19,7 +19,6 @@ double box_box_gap(const Vec3& half_a, const Pose& a, const Vec3& half_b, const 
 /// separation: for floors and walls.
 double box_wall_gap(const Vec3& half, const Pose& pose, const Vec3& half_wall, const Pose& wall);
 
-/// Gap between a ball and a box.
 double sphere_box_gap(double radius, const Vec3& centre, const Vec3& half_wall, const Pose& wall);
 
 /// The point of the triangle nearest to `p`.
@@ -30,7 +29,7 @@ class HeightSurface {
  public:
   explicit HeightSurface(const MeshData& mesh);
 
-  /// Height (m) of the surface above (x, y), none outside its border.
+  /// m; none outside the border.
   std::optional<double> height(double x, double y) const;
   /// Distance (m) of `p` from the surface, negative below it; none beyond 1 m.
   std::optional<double> distance(const Vec3& p) const;

@@ -15,11 +15,11 @@ namespace tandem::bench {
 /// Name and value, in the order of a report.
 using Measures = std::vector<std::pair<std::string, double>>;
 
-/// Kinetic energy (J) of the scene's moving bodies.
+/// J, of moving bodies.
 double kinetic_energy(const Scene& scene, const Engine& engine);
 /// Kinetic and gravitational energy (J), zero height at the origin. Heights are taken half a
-/// substep earlier, the time of the velocities in x += h v: a free fall then conserves energy
-/// exactly, and other changes are the engine's.
+/// substep earlier, the time of the velocities in x += h v, so that a free fall conserves energy
+/// exactly.
 double mechanical_energy(const Scene& scene, const Engine& engine);
 /// Distance (m) between the two anchors of each ball joint and hinge.
 std::vector<double> joint_separations(const Scene& scene, const Engine& engine);
@@ -27,7 +27,7 @@ std::vector<double> joint_separations(const Scene& scene, const Engine& engine);
 double joint_separation(const Scene& scene, const Engine& engine);
 
 /// Measures of a scene's run, collected frame by frame. Lengths in m, energies in J; "_end" at the
-/// last frame, "_max" over all frames, unless stated otherwise.
+/// last frame, "_max" over all, by default.
 class Quality {
  public:
   /// @param reference  positions of the chain's ball per frame (m), may be empty

@@ -5,9 +5,9 @@
 //
 //   nats_latency PORT [BYTES] [PART]
 //
-// Four connections exchange messages, as people do. First as fast as they can: messages received
-// per second are the server's saturation, with its clients on the same machine. Then at PART of it
-// (0.7), in bursts of a millisecond; latency is from a message's due time to its delivery.
+// Four connections exchange messages. First as fast as they can: messages received per second are
+// the server's saturation, with its clients on the same machine. Then at PART of it (0.7), in
+// bursts of a millisecond; latency is from a message's due time to its delivery.
 #include <nats/nats.h>
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Cost of the live view for its program: bytes on the socket and CPU time of the server's thread,
-// which encodes and sends, for balls that all move in every frame, and one page that reads them.
+// Cost of the live view: bytes on the socket and CPU time of the server's thread, for balls that
+// all move in every frame and one page.
 //
 //   view_cost [BALLS [PANES [SECONDS]]]    defaults: 1000 balls, 2 panes, 10 s
 #include <chrono>

@@ -88,7 +88,6 @@ Outcome run_case(const Case& which, const MakeEngine& make);
 /// Reason why a line of Tandem is known to fail, empty if it must hold. The only list of
 /// exceptions.
 std::string_view known_failure(const std::string& name, const std::string& measure);
-/// The cases on that list.
 std::vector<std::string_view> known_cases();
 
 }  // namespace tandem::bench

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// The numerics set as one table: result, reference and bound for Tandem and, where they can run the
-// case, for the other engines of this build.
+// The numerics set as one table: result, reference and bound, for Tandem and the other engines of
+// this build.
 //   numerics [--csv FILE] [--only TEXT] [--engine tandem|bullet64|jolt|...] [--list]
-// Exit code 1 if a line of Tandem fails that is not known to.
+// Exit code 1 if a line of Tandem fails without a known entry.
 #include <cmath>
 #include <cstdio>
 #include <fstream>

@@ -71,7 +71,6 @@ Stand stand(const Sheet& sheet, const Pile& pile, int order) {
   return result;
 }
 
-/// Checks that it stands in the listed order and in shuffled ones.
 void check(Sheet& sheet, const Pile& pile, double thickness, double drift, int orders) {
   Stand worst;
   for (int order = 0; order < orders; ++order) {

@@ -20,7 +20,6 @@ LINK_OF_TOPOLOGY = "3"
 
 
 def _commands(program, seeds, quick):
-    """Commands to run."""
     for group in GROUPS:
         base = [str(program), "--group", group]
         for scheme in SCHEMES:

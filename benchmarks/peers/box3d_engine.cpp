@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Box3D as its samples run it: four substeps, soft contacts, warm start, contact recycling,
-// continuous collision with static bodies, with its own workers for the given number of threads.
-// Like all engines here undamped, and never asleep unless asked.
+// continuous collision with static bodies, its own workers. Like all engines here undamped, and
+// never asleep unless asked.
 #include <box3d/box3d.h>
 #include <box3d/collision.h>
 

@@ -2,9 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // PhysX on the CPU with its defaults (4 position iterations and 1 velocity iteration, persistent
-// contact manifolds, patch friction), with either solver: PGS, a scene's default, or TGS, which the
-// authors recommend. No worker threads. Like all engines here undamped, and never asleep unless
-// asked.
+// contact manifolds, patch friction) and either solver: PGS, the default, or TGS, which the authors
+// recommend. No worker threads. Like all engines here undamped, and never asleep unless asked.
 #include <PxPhysicsAPI.h>
 
 #include <cstdio>

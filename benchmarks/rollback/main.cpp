@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Prediction with rollback compared with agreement and with single owners: one scene, network and
-// seed, a line per method. Fails if confirmed frames of rollback differ by a bit.
+// Prediction with rollback compared with agreement and single owners: one scene, network and seed,
+// a line per method. Fails if confirmed frames of rollback differ by a bit.
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
@@ -52,9 +52,9 @@ struct Options {
   std::vector<std::string> ways = {"tandem", "owner", "owner-shown", "rollback-0", "rollback-3"};
 };
 
-/// m, per unowned body and frame in which it moves or is held, at the viewing peer: its motion
-/// beyond its own velocities, for any cause. A step uses one of the velocities at its two ends, or
-/// a mixture at an impact: the value is the distance from the line between those two displacements.
+/// m, per unowned body and frame in which it moves or is held, at the viewing peer: motion not
+/// explained by its own velocities. A step uses one of the velocities at its ends, or a mixture at
+/// an impact: the value is the distance from the line between both displacements.
 demos::Distribution jumps(std::span<const demos::PeerRecord> peers) {
   std::vector<double> values;
   for (const demos::PeerRecord& peer : peers) {

@@ -16,9 +16,9 @@
 namespace tandem::rollback_bench {
 
 inline constexpr double kFrameHz = 60.0;
-/// ns, session time of a frame's beginning.
+/// ns, of the beginning.
 consensus::SessionTime frame_time(std::int64_t frame);
-/// s, duration of that frame.
+/// s
 double frame_duration(std::int64_t frame);
 
 /// A world that is a function of all peers' inputs: the same inputs, the same bits.

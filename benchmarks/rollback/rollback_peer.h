@@ -33,9 +33,9 @@ struct RollbackStats {
   std::size_t snapshot_bytes = 0;  ///< on joining
 };
 
-/// Prediction with rollback, as published: one deterministic world at each peer. Inputs are sent in
-/// each frame, with earlier ones that may be lost; unknown inputs are predicted. If an input
-/// differs from its prediction, the world is rolled back to that frame and simulated again.
+/// Prediction with rollback, as published: one deterministic world at each peer. Each frame sends
+/// inputs, with earlier ones that may be lost; unknown inputs are predicted. After a wrong
+/// prediction the world is rolled back and simulated again.
 /// @par Thread safety  One object: one thread at a time.
 class RollbackPeer {
  public:

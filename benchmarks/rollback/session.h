@@ -29,15 +29,15 @@ struct Run {
 std::unique_ptr<demos::Scenario> make_scenario(const std::string& name, int people,
                                                const std::string& variant = "");
 
-/// Rollback over the demos' virtual network. Afterwards one world simulates all inputs in order:
-/// Run::first_desync is the first frame in which any peer's confirmed state differs from it.
+/// Rollback over the demos' virtual network. Afterwards one world simulates all inputs in order as
+/// the reference of Run::first_desync.
 Run run_rollback(const demos::Scenario& scenario, const demos::DemoOptions& demo,
                  const RollbackOptions& options);
 
-/// The demo's own coupling over the same network. Copies start equal, as those of rollback must.
+/// The demo's own coupling over the same network, with equal starts as in rollback.
 /// @param other_substeps  of the second peer; nullopt = as the others
-/// @param join  frame at which the last peer asks to join; 0 = present from the start. Until its
-/// request arrives it is disconnected from all; its users act kJoinLead frames later.
+/// @param join  frame at which the last peer asks to join; 0 = present from the start. It is
+/// disconnected until its request arrives; its users act kJoinLead frames later.
 Run run_coupling(const demos::Scenario& scenario, const demos::DemoOptions& demo,
                  std::optional<int> other_substeps, std::int64_t join);
 

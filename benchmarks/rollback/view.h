@@ -13,8 +13,7 @@
 namespace tandem::rollback_bench {
 
 /// One peer's view, its record, and the demo's users who see it. Their actions on this scene, which
-/// nothing steps, are the peer's input: the same people as in the demos, with their eyes and
-/// reactions.
+/// nothing steps, are the peer's input.
 class View {
  public:
   /// @param number  of the peer, from 0

@@ -32,8 +32,8 @@ constexpr int kChest = 3;
 constexpr int kMiddle = 6;  // symmetric bones come first, then those of the left
 
 // Box3D's human (shared/human.c, MIT licence, Erin Catto), to the millimetre, with its capsules,
-// limits and friction; right limbs mirror left ones. Joints are at the child's frame, so that none
-// is open at the start, and a cone is about the initial pose.
+// limits and friction; right limbs mirror left ones. Joints are at the child's frame, so that all
+// start closed, and a cone is about the initial pose.
 const std::array<Bone, 10>& bones() {
   static const std::array<Bone, 10> kBones{{
       // pelvis

@@ -2,8 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Box3D's scenes have the sizes and masses of its benchmark or sample of that name, but z up,
-// gravity 9.81 m/s^2 and friction 0.5. There is no rolling resistance, and joints have no springs:
-// not all engines support them together with friction.
+// gravity 9.81 m/s^2 and friction 0.5. Rolling resistance and springs in joints are left out, since
+// not all engines have them beside friction.
 #include "scenes/joint_scenes.h"
 
 #include <algorithm>
@@ -146,7 +146,7 @@ void drive(SceneJoint& hinge, double speed, double max_torque) {
 }
 
 /// Planks as large as those of Box3D's bridge, each on four ball joints, in an arc that sags by a
-/// tenth of its span; on it a car of 120 kg with rear-wheel drive at 1 m/s.
+/// tenth of its span; on it a car of 120 kg, driven at 1 m/s.
 void build_bridge(Scene& scene, int planks) {
   constexpr double kHalf = 0.125;
   constexpr double kWide = 0.5;

@@ -6,12 +6,11 @@
 
 namespace tandem::bench {
 
-/// Scenes of joints: Box3D's benchmarks and samples, and typical parts of games. Dolls: human, some
-/// dropped from 1 m; rain, groups of three dropped from 20 m on a grid with a torus in each cell;
-/// wedge, some dropped into a groove. joint_grid: balls that hang in a net, by rows;
-/// ball_and_chain: links, and a ball of 33.5 t on the last; bridge: planks, and a car that drives
-/// over; crane: cable links with a ball of 2 t that is swung into a wall; doors: doors with motors
-/// between stops.
+/// Scenes of joints: Box3D's benchmarks and samples, and parts of games. Dolls: human, dropped from
+/// 1 m; rain, groups of three dropped from 20 m on a grid with a torus in each cell; wedge, dropped
+/// into a groove. joint_grid: rows of balls in a hanging net; ball_and_chain: links, and a ball of
+/// 33.5 t; bridge: planks, and a car; crane: cable links with a ball of 2 t that swings into a
+/// wall; doors: with motors between stops.
 inline constexpr std::array<std::string_view, 8> kJointScenes{
     "human", "rain", "wedge", "joint_grid", "ball_and_chain", "bridge", "crane", "doors"};
 

@@ -8,10 +8,9 @@
 //   loss, stable, end / start, peak / start, half-life (frames; -1 = never), speed kept
 //
 // The difference is the rms over bodies at the same session time. Stable: in the last 4.5 of 15 s
-// it is below its start, and below 0.1 mm or not above its value in the 4.5 s before. (The slowest
-// oscillation, the chain's, takes 2.9 s; shorter windows would show its phase.) Speed kept: rms
-// speed in the last 4.5 s, relative to both alone; if one swings and one hangs, both finally swing
-// half as far, and 0.707 is kept.
+// it is below its start, and below 0.1 mm or its value in the 4.5 s before, since the slowest
+// oscillation, the chain's, takes 2.9 s. Speed kept: rms speed in the last 4.5 s, relative to both
+// alone; if only one swings at first, both end with half, and 0.707 is kept.
 //
 //   stability [scheme [scene]]      only these
 

@@ -6,8 +6,8 @@
 
 namespace tandem::bench {
 
-/// The main() of work_precision_<engine>: one scene, one engine, one setting; measures the time of
-/// a frame and the error of the result. run.py runs them all.
+/// The main() of work_precision_<engine>: time of a frame and error of the result for one scene and
+/// setting. run.py runs them all.
 int work_precision_main(int argc, char** argv, const MakeEngine& make);
 
 }  // namespace tandem::bench

@@ -7,7 +7,7 @@
     python3 benchmarks/work_precision/run.py build/release/bin --quick --out quick    ten minutes
     python3 benchmarks/work_precision/run.py build/release/bin --joints --out joints  scenes of joints
 
-Tandem and Bullet run over their settings, other engines at their defaults. Each run has its scene's length, 10 s, the
+Tandem and Bullet run over their settings, other engines at their defaults. Runs have their scene's length, 10 s, the
 chain's 5 s: a falling heap costs a quarter of a settled one. Engines and settings take turns, so that a drift of the
 machine's speed affects all. One thread. Writes work_precision.csv (joints.csv; one line per run), machine.json and,
 with matplotlib, the plots.
@@ -26,8 +26,8 @@ import results
 
 SMALL = ("stacks", "ratio", "pyramid", "chain")
 LARGE = ("katamari", "cliff", "heap")
-# Scenes of joints, only at the defaults, with sleep if the engine allows, except for the grid, which Box3D's own
-# benchmark keeps awake. A number at the end of a name is the size.
+# Scenes of joints, only at the defaults, with sleep except for the grid, which Box3D's own benchmark keeps awake. A
+# number at the end of a name is the size.
 JOINTS = ("human", "rain", "wedge", "joint_grid", "ball_and_chain", "bridge", "crane", "doors")
 LARGE_JOINTS = ("rain 20", "joint_grid 100")
 REFERENCE = Path(__file__).resolve().parent.parent / "data" / "chain_reference.txt"
@@ -123,7 +123,6 @@ def main():
     for scene in args.scenes:
         per_engine = [[(e, s) for s in settings_of(e, scene, args.quick)
                        if not args.defaults_only or s == DEFAULT] for e in engines]
-        # First of each engine, second of each engine, ...
         cells = [c for turn in itertools.zip_longest(*per_engine) for c in turn if c]
         for repeat in range(repeats):
             for engine, setting in cells:
