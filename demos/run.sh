@@ -2,20 +2,20 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# Sets everything up, builds Release and runs a demo: piano at profile 4, beside what a single owner makes
-# of it; or cliff, cubes, piano, pile, room or tennis with the given arguments:
+# Installs dependencies, builds Release and runs a demo: piano at profile 4, compared with a single owner;
+# or cliff, cubes, piano, pile, room or tennis with the given arguments:
 #   demos/run.sh
 #   demos/run.sh tennis --profile 5
 # or plaza, a square for very many people over a NATS server, which it starts unless --server names one:
 #   demos/run.sh plaza --people 200
-# or opens rooms in the browser and prints a link; who has it is in (docs/room.md). With TANDEM_ROOM_PAGE, the page of a
-# release as a folder or archive, emscripten is not needed:
+# or opens rooms in the browser and prints a link to join (docs/room.md). TANDEM_ROOM_PAGE, a folder or archive of a
+# release's page, replaces emscripten:
 #   demos/run.sh room-link
 # or draws key frames of all of them as PNG (needs Chromium):
 #   demos/run.sh --pictures docs/img
-# or README's moving picture (needs Debian's webp as well):
+# or README's moving picture (also needs Debian's webp):
 #   demos/run.sh --moving-picture docs/img/piano.webp
-# Results go to standard output; what the build says goes to standard error.
+# Results go to standard output, the build's messages to standard error.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 

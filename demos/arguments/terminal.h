@@ -7,8 +7,8 @@
 
 namespace tandem::demos {
 
-/// True if the file is a terminal that understands cursor movements and colours. Switches a Windows
-/// console to both and to UTF-8.
+/// True for a terminal with cursor movements and colours. Switches a Windows console to both and to
+/// UTF-8.
 bool is_terminal(std::FILE* file);
 
 /// Width of the terminal on standard error; 80 if unknown.

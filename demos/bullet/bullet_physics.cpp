@@ -54,8 +54,8 @@ class BulletPhysics final : public Physics {
  private:
   int index(std::size_t body) const { return plain_.index[body]; }
 
-  /// Applies to the engine all changes of the mirror since the last step: poses without changing
-  /// the velocity, velocities as they are.
+  /// Applies the mirror's changes since the last step: poses without changing velocity, velocities
+  /// as they are.
   void push(const Scene& scene, std::size_t i, double dt) {
     const pbd::BodyId id = scene.bodies[i].body;
     const pbd::BodyState& view = scene.world->state(id);

@@ -50,8 +50,8 @@ bench::SceneBody plain_body(const pbd::World& world, const collision::ColliderDe
     body.pose = {pose.to_world(collider.local.position),
                  pose.orientation * collider.local.orientation};
     if (const auto* plane = std::get_if<collision::HalfSpace>(&collider.shape)) {
-      // Bullet finds one contact point of a box on a plane per step, so small boxes tip over before
-      // there are three; on a box it finds all.
+      // Bullet finds one contact point of a box on a plane per step, and small boxes tip over
+      // before there are three; on a box it finds all.
       const pbd::Pose down{(plane->offset - kGround.z()) * plane->normal,
                            pbd::Quat::FromTwoVectors(pbd::Vec3::UnitZ(), plane->normal)};
       body.pose = {body.pose.to_world(down.position), body.pose.orientation * down.orientation};

@@ -15,7 +15,7 @@
 #include "tandem/pbd/body.h"
 #include "tandem/pbd/types.h"
 
-/// Scenes as plain data, independent of the engine, so that each engine is given the same scene.
+/// Scenes as plain data, the same for each engine.
 namespace tandem::bench {
 
 using pbd::BodyType;
@@ -117,13 +117,12 @@ struct Scene {
   SceneJoint& add_joint(JointKind kind, int a, int b, const Vec3& anchor_w);
   void add_ball(int a, int b, const Vec3& anchor_w) { add_joint(JointKind::Ball, a, b, anchor_w); }
   int frames() const;
-  /// True if no joint has a cone, limits of twist, friction or a bounded drive, and no pair is in
-  /// `apart`.
+  /// True without cones, limits of twist, friction, bounded drives and pairs in `apart`.
   bool has_simple_joints() const;
 };
 
-/// Principal moments (kg m^2) of the homogeneous shape of this mass; those of a ball of radius 1 m
-/// for NoShape; zero for planes, meshes and hulls.
+/// Principal moments (kg m^2) of the homogeneous shape; those of a ball of radius 1 m for NoShape;
+/// zero for planes, meshes and hulls.
 Vec3 principal_inertia(const SceneShape& shape, double mass);
 
 /// The seven scenes of the comparison between engines. cliff: 1000 balls over a step of 8192

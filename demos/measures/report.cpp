@@ -33,7 +33,7 @@ consensus::SessionTime first_time(const std::vector<PeerRecord>& peers) {
 consensus::SessionTime table_start(const Report& report) {
   consensus::SessionTime start = INT64_MAX;
   for (const DivergenceSample& s : report.metrics.samples) start = std::min(start, s.time);
-  // A single peer has nobody to disagree with.
+  // A single peer has no exchange.
   return start == INT64_MAX ? first_time(report.run.peers) : start;
 }
 

@@ -145,7 +145,7 @@ bool done(const std::vector<Achievement>& all) {
 struct Row {
   std::string name;
   std::array<std::string, 2> cells;
-  /// Of each cell; none if neither direction is better.
+  /// True for good cells; none if neither direction is better.
   std::optional<std::array<bool, 2>> good = std::nullopt;
 };
 

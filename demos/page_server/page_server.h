@@ -28,7 +28,7 @@ struct Options {
   /// Host and port of a proxy in front, perhaps with TLS, "play.example.org". "": none
   std::string name;
   bool may_have_tls = false;  ///< requests by https are own ones too
-  /// Of any kind. If all are taken, the oldest one without the token is closed, then an idle one;
+  /// All kinds. If all are taken, the oldest one without the token is closed, then an idle one;
   /// sockets stay.
   std::size_t max_connections = 64;
   std::size_t max_per_address = 64;     ///< the same for one remote address

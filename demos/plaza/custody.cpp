@@ -169,7 +169,7 @@ void Custody::begin(const pbd::Vec3& feet, std::span<const consensus::PeerId> ne
     if (kept && (is_connected(record.keeper) || is_leased(lying, now))) continue;
     if (flat(record.pose.position, feet) > options_.reach()) continue;
     appear(*number, record.pose, {});
-    // The keeper has gone, so nobody keeps the body.
+    // The keeper has gone.
     if (kept) ledger_.write(id, 0, record.pose, {});
   }
 }

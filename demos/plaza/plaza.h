@@ -43,7 +43,7 @@ struct PlazaOptions {
   double slack() const { return 0.075 * near; }
   nats::CellOptions cells() const;
   consensus::PeerOptions peer() const;
-  /// Of the options that peers compare before they play together.
+  /// Peers compare it before they play together.
   std::uint64_t scene_hash() const;
 };
 

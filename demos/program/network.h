@@ -33,7 +33,7 @@ class Network {
   /// How often input from unknown senders was refused, by reason.
   using Counts = std::vector<std::pair<const char*, std::uint64_t>>;
   virtual Counts refused() const = 0;
-  /// Of this peer's public key; "" without keys.
+  /// Identifies this peer's public key; "" without keys.
   std::string fingerprint() const { return fingerprint_; }
   /// A change signed by an organiser, for all members, see net::GroupChange.
   virtual void change_group(std::span<const std::byte> signed_change) = 0;

@@ -25,7 +25,7 @@ std::vector<std::size_t> shuffled(std::size_t count, std::uint64_t seed) {
   return order;
 }
 
-/// Of all parts together, in their common frame.
+/// Mass properties of all parts, in their common frame.
 collision::MassProperties mass_of(const std::vector<ScenePart>& parts) {
   collision::MassProperties sum;
   std::vector<std::pair<pbd::Vec3, collision::MassProperties>> placed;

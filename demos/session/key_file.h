@@ -16,8 +16,8 @@ inline constexpr std::string_view kForOwnerAlone =
     "a file that nobody else can read or write (chmod 600)";
 #endif
 
-/// True if only the owner of a file can read or write it; on Windows only this user, the system and
-/// its administrators. False if unknown.
+/// True if only the owner can read or write a file; on Windows only this user, the system and its
+/// administrators. False if unknown.
 bool for_owner_alone(const std::string& path);
 
 /// Creates a file for its owner alone, never overwriting one.

@@ -382,7 +382,7 @@ DemoOptions parse_options(std::span<const std::string_view> arguments) {
   if (options.clock_spread > 0.0) virtual_only = "--clock spread";
   if (options.off_grid) virtual_only = "--clock off-grid";
   if (options.beside || options.alone) virtual_only = "--coupling A,B";
-  // As over TCP: without a key only on this machine.
+  // Without a key only on this machine, as over TCP.
   options.insecure = options.wire == Wire::Udp && options.key.empty();
   options.endless = options.view.has_value() && !timed;
   check_together(options, virtual_only, network_only);

@@ -119,7 +119,7 @@ struct DemoOptions {
   bool udp() const { return wire == Wire::Auto ? !key.empty() || insecure : wire == Wire::Udp; }
   /// True if virtual peers step at their own times.
   bool steps_off_grid() const { return off_grid || timeline == Timeline::None; }
-  /// Of peer number `peer`, from 0.
+  /// Step rate of peer number `peer`, from 0.
   double step_hz(std::size_t peer) const { return rates[peer % rates.size()]; }
   Engine engine(std::size_t peer) const { return engines[peer % engines.size()]; }
   /// Another engine has no pass for targets and no forces to report: it uses two-step with the same
@@ -128,7 +128,7 @@ struct DemoOptions {
   consensus::PeerOptions peer_options() const { return peer_options(scheme); }
   /// The same for a peer with another scheme.
   consensus::PeerOptions peer_options(Scheme other) const;
-  /// As given, or the scheme's.
+  /// The given kind, or the scheme's.
   consensus::PredictorKind predictor_kind() const { return peer_options().predictor; }
   consensus::LinkOptions link_options() const;
   /// For virtual peers.

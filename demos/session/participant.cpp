@@ -306,8 +306,8 @@ void Participant::record_bodies(consensus::SessionTime now) {
 }
 
 void Participant::look_at_springs(consensus::SessionTime now) {
-  // Before the next hand motion and two-step displacement, so that hand and body are of the same
-  // time, as the user sees them.
+  // Before the next hand motion and two-step displacement: hand and body of the same time, as users
+  // see them.
   stretches_.clear();
   if (!recording_) return;
   if (wait_for_exchange_ && !has_exchanged()) return;

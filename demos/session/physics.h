@@ -30,8 +30,8 @@ class Physics {
   virtual ~Physics() = default;
   /// One step of `dt` s of the scene's world. @param peer  of that world
   virtual const pbd::StepReport& step(Scene& scene, consensus::Peer& peer, double dt) = 0;
-  /// Pairs of the scene's shared bodies, by index, in contact in the last step; null if the world's
-  /// own contacts are valid.
+  /// Pairs of the scene's shared bodies, by index, in contact in the last step; null: ask the
+  /// world.
   virtual const std::vector<std::pair<std::size_t, std::size_t>>* touching() const {
     return nullptr;
   }

@@ -12,8 +12,7 @@
 
 namespace tandem::demos {
 
-/// A transport that carries its own packets among the session's: it passes everything on, and takes
-/// out its own.
+/// A transport that carries its own packets among the session's.
 class SideChannel : public consensus::Transport {
  public:
   /// ns: times farther from now are invalid.

@@ -12,8 +12,8 @@ namespace {
 /// m/s^2: a larger acceleration within a step is an impact.
 constexpr double kHitAcceleration = 40.0;
 
-/// m, the path between two samples: the cubic that matches both velocities, which is exact in free
-/// fall; with an impact in between, two straight lines.
+/// m, the path between two samples: the cubic that matches both velocities, exact in free fall; at
+/// an impact, two straight lines.
 pbd::Vec3 way_at(const TrackSample& before, const TrackSample& after, double s, double dt) {
   const pbd::Vec3 way = after.position - before.position;
   const pbd::Vec3 change = after.velocity - before.velocity;

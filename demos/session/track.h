@@ -94,7 +94,7 @@ struct PeerRecord {
   std::uint64_t bytes_sent = 0;
   double seconds = 0.0;        ///< s, session time simulated with other peers
   std::uint64_t hash = 0;      ///< of the world at the end
-  Outcome outcome;             ///< score and what its users achieved
+  Outcome outcome;             ///< score and users' achievements
   std::vector<Series> series;  ///< of its users' devices
   std::vector<Input> inputs;   ///< of its users, user after user
   std::string fault;           ///< the first violated invariant; empty if none

@@ -33,8 +33,8 @@ class PacketHistory {
   std::size_t next_ = 0;  ///< next to be replaced
 };
 
-/// Appends the difference of `packet` from `base`, of equal length: runs of equal bytes and of
-/// others.
+/// Appends the difference of `packet` from `base`, of equal length: runs of equal and of other
+/// bytes.
 void code_packet(std::span<const std::byte> packet, std::span<const std::byte> base,
                  std::vector<std::byte>& out);
 /// Decodes from `at` on and moves it. @param packet  in: the base; out: the packet

@@ -32,8 +32,8 @@ struct StageHash {
   friend bool operator==(const StageHash&, const StageHash&) = default;
 };
 
-/// The kind of a record. User, Begin, Step, Finish, Leave, Rules and End each begin a phase; the
-/// transport's answers in a phase follow within it.
+/// User, Begin, Step, Finish, Leave, Rules and End each begin a phase; the transport's answers in a
+/// phase follow within it.
 enum class TraceKind : std::uint8_t {
   Packets = 1,  ///< returned by a call of drain()
   Peers,        ///< peers() changed

@@ -28,7 +28,7 @@ class StageHashes final : private pbd::TargetSource {
   /// Call after the solver's step.
   void solved();
 
-  /// Of the last step: states and springs before it, and the solver's targets.
+  /// States and springs before the last step, and the solver's targets.
   const StageHash& targets() const { return targets_; }
   /// States after the last step.
   const StageHash& poses() const { return poses_; }
@@ -55,7 +55,7 @@ class SentHash {
  public:
   void post(consensus::PeerId to, std::span<const std::byte> bytes, consensus::Delivery delivery);
   void drop(consensus::PeerId peer);
-  /// Of all calls since the last take().
+  /// The hash of all calls since the last take().
   std::uint64_t take();
 
  private:

@@ -14,8 +14,8 @@
 
 namespace tandem::demos {
 
-/// Calls of a transport in one phase, counted by kind: an answer then finds its call even if a
-/// changed program makes other calls between.
+/// Calls of a transport in one phase, by kind: an answer finds its call even if a changed program
+/// makes other calls between.
 struct TransportCalls {
   std::uint64_t drains = 0;
   std::uint64_t looks = 0;  ///< of peers()
@@ -36,8 +36,8 @@ class TraceSink {
   virtual void answer(const TraceRecord& record) = 0;
 };
 
-/// Passes everything on, and records each answer that differs from the reader's default: no
-/// packets, posts accepted, all else unchanged.
+/// Records each answer that differs from the reader's default: no packets, posts accepted, all else
+/// unchanged.
 /// @par Thread safety  One object: one thread at a time.
 class TracingTransport final : public consensus::Transport {
  public:
@@ -67,8 +67,8 @@ class TracingTransport final : public consensus::Transport {
   mutable std::array<std::uint64_t, 2> limits_{};
 };
 
-/// Answers as recorded in a trace. Counts of packets, bytes and reasons are not recorded: zero and
-/// empty here.
+/// Answers as recorded. Counts of packets, bytes and reasons are not in traces: zero and empty
+/// here.
 /// @par Thread safety  One object: one thread at a time.
 class ReplayTransport final : public consensus::Transport {
  public:

@@ -56,7 +56,7 @@ void LiveWorlds::set_links(const DemoOptions& options) { options.set_links(sessi
 
 void LiveWorlds::change_rules(const DemoOptions& options) {
   // Drops states of the replaced peers. Reliable packets still arrive: a recent grip may pull twice
-  // until it has been silent for a second.
+  // until silent for a second.
   for (std::size_t from = 1; from <= size(); ++from) {
     for (std::size_t to = 1; to <= size(); ++to) {
       if (from == to) continue;

@@ -15,8 +15,8 @@
 
 namespace tandem::demos::view {
 
-/// One peer's view of the others: estimated positions of their bodies, age of their updates,
-/// requested shares, and divergence.
+/// One peer's view of the others: estimated positions, age of updates, requested shares, and
+/// divergence.
 /// @par Thread safety  One object: the thread of its peer.
 class PaneWatch final : public consensus::PeerObserver {
  public:
@@ -29,7 +29,7 @@ class PaneWatch final : public consensus::PeerObserver {
     std::size_t body = 0;
     pbd::Vec3 position = pbd::Vec3::Zero();  ///< m, world
   };
-  /// Of the last step with targets.
+  /// Targets of the last step that had any.
   const std::vector<Target>& targets() const { return targets_; }
   /// s, smoothed; NaN: no updates.
   double mean_age() const;

@@ -179,8 +179,8 @@ struct Refused {
   std::string text;
 };
 
-/// Parses a page's messages. An invalid one is refused by name and changes nothing; no text makes
-/// it throw.
+/// Parses a page's messages. An invalid one is refused by name and has no effect; none makes it
+/// throw.
 class CommandReader {
  public:
   /// The layout must outlive it.

@@ -28,8 +28,7 @@ struct PageEvent {
   std::variant<Command, Left> what;
 };
 
-/// Serves the page and its sockets on its own thread. Checks commands of pages and hands the valid
-/// ones on.
+/// Serves the page and its sockets on its own thread. Hands on valid commands of pages.
 /// @par Thread safety  Safe: all methods from any thread.
 class Server {
  public:
@@ -53,7 +52,7 @@ class Server {
   /// To one page, if it is still connected.
   void tell(PageId page, std::string text);
   /// Shows a frame, unless a newer one replaces it before sending. `frame` is exchanged for an
-  /// unused one to reuse its memory.
+  /// unused one.
   /// @pre as many panes and poses as the layout has
   void show(Frame& frame);
   /// Appends the pages' commands since the last call.

@@ -20,8 +20,8 @@ class WorldView {
  public:
   virtual ~WorldView() = default;
   virtual consensus::PeerObserver& observer() = 0;
-  /// The user whose hands are on the page; call once, and update it before each step. Without
-  /// effect once the view is gone.
+  /// The user at the page; call once, and update it before each step. Without effect once the view
+  /// is gone.
   virtual std::unique_ptr<User> make_hands(Controls& controls) = 0;
   /// Shows the world and handles pages' commands; call at each step, or more often.
   /// @param time  s, since the session began     @param step_s  s, duration of the last step
@@ -32,7 +32,7 @@ class WorldView {
 struct WorldViewContext {
   const Scenario& scenario;
   const DemoOptions& options;  ///< `view` is set
-  /// True if one of this peer's users holds a body (its index) by a spring at this point of it.
+  /// True if a local user holds a body (its index) by a spring at this point of it.
   std::function<bool(std::size_t body, const pbd::Vec3& attachment_l)> is_own;
 };
 
