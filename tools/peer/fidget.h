@@ -19,7 +19,7 @@ namespace tandem::demos {
 class Fidget final : public User {
  public:
   static constexpr double kReach = 0.5;               ///< m
-  static constexpr std::uint32_t kUser = UINT32_MAX;  ///< used by nobody else
+  static constexpr std::uint32_t kUser = UINT32_MAX;  ///< not used elsewhere
 
   /// Must outlive it.
   Fidget(Controls& controls, std::uint64_t seed);

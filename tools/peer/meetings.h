@@ -11,7 +11,7 @@
 namespace tandem::demos {
 
 /// Connections through NATs (tandem::ice): per peer a file that this one writes, and one that it
-/// reads once it exists. The user transfers the files.
+/// reads. The user transfers the files.
 class Meetings {
  public:
   /// @throws std::runtime_error if one is configured and this build has no ICE

@@ -7,8 +7,8 @@
 
 namespace tandem::demos {
 
-/// Recent quantiles of positive numbers, to 4 %, in bounded memory. They cover the last one to two
-/// periods; turn() begins a new one.
+/// Recent quantiles of positive numbers, to 4 %, in bounded memory: over the last one to two
+/// periods, which turn() begins.
 /// @par Thread safety  Distinct objects: safe.
 class RecentQuantiles {
  public:

@@ -241,7 +241,7 @@ export class Drawing {
     const solid = [...this.#solids.values()].find(({mesh}) => mesh === hit.object);
     return {row: solid.parts[hit.instanceId].row, point: hit.point.toArray()};
   }
-  /** The point at these pixels on the plane through `through` that faces the camera, m; no lower than the ground. */
+  /** The point at these pixels on the plane through `through` that faces the camera, m; not below ground. */
   pointAt(x, y, through) {
     this.#aimRay(x, y);
     const normal = this.camera.getWorldDirection(new THREE.Vector3());

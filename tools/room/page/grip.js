@@ -42,7 +42,7 @@ export class Grip {
     this.#tracked.push({time, pose});
     if (this.#tracked.length > KEPT) this.#tracked.shift();
   }
-  /** Sets the number of this user's hands on the body: each takes its share of the load. */
+  /** Sets the number of this user's hands on the body, which share its load. */
   share(hands, peer) {
     if (hands === this.#hands) return;
     this.#hands = hands;
@@ -66,7 +66,7 @@ export class Grip {
     this.#springs = [];
   }
 
-  /** Interpolates tracked poses: the newest alone would turn uniform motion uneven, as steps have another rate. */
+  /** Interpolates tracked poses: with the newest alone uniform motion would become uneven. */
   #at(time) {
     const after = this.#tracked.findIndex((one) => one.time >= time);
     if (after < 0) return this.#tracked.at(-1)?.pose;

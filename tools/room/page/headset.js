@@ -176,7 +176,7 @@ export class Headset {
   }
   #pulse({gamepad}) { gamepad?.hapticActuators?.[0]?.pulse?.(0.5, 30)?.catch?.(() => {}); }
 
-  /** Thumbsticks: forward aims, and jumps on release; sideways turns. A user who holds something is moved gently. */
+  /** Thumbsticks: forward aims, and jumps on release; sideways turns. A user who holds something moves gently. */
   #move(side, head, pause) {
     const axes = side.source.gamepad?.axes ?? [];
     if (axes.length < 2) return;

@@ -144,7 +144,7 @@ export class Presence {
   }
   /** A holding pointer: {held, anchor, attachment}. */
   pointer(id, now = performance.now()) { return this.#lately(id, now)?.pointer ?? null; }
-  /** A headset's user, smoothed between messages: {head, left, right}, hands as {pose, held, attachment}. */
+  /** A headset's user, smoothed: {head, left, right}, hands as {pose, held, attachment}. */
   person(id, now = performance.now()) {
     const said = this.#lately(id, now);
     if (!said || said.pointer) return null;

@@ -11,7 +11,7 @@ const TELL_MS = 500;
 // To 0.1 ms, and 0.1 mm.
 const short = (value) => String(Number(value.toFixed(4)));
 const point = (values) => values.map(short).join(' ');
-// Names of members' bodies contain their maker. Words of printable characters, as the format requires.
+// Names of members' bodies contain their maker. Printable characters, as the format requires.
 const nameOf = (name) => (name.startsWith('made/') ? 'made' : name.replace(/[^!-~]/g, '_').slice(0, 64));
 
 export class Recorder {

@@ -17,7 +17,7 @@ export const WAIT = Symbol('wait');
 
 const within = (value, low, high) => typeof value === 'number' && value >= low && value <= high;
 
-/** Bodies that members may make: one shape of 3 cm to 1 m, near the room's centre. Native peers have the same rule. */
+/** Bodies that members may make: one shape of 3 cm to 1 m, near the centre. Native peers have the same rule. */
 export function mayBeMade(body) {
   if (body === null || typeof body !== 'object' || Object.keys(body).length !== 3) return false;
   const {name, shape, position} = body;

@@ -7,8 +7,8 @@
 
 namespace tandem::room {
 
-/// Non-blocking lines of standard input. A thread reads, as not every system can poll a pipe; it
-/// may still be blocked when the program ends.
+/// Non-blocking lines of standard input, by a thread, as not every system can poll a pipe; it may
+/// still be blocked when the program ends.
 class LineInput {
  public:
   LineInput();

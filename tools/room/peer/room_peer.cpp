@@ -167,8 +167,7 @@ void RoomPeer::hear_words(MemberId from, std::string_view text) {
   }
 }
 
-/// Sends all bodies made by members, in messages of limited length; receivers add those that they
-/// lack.
+/// Sends all bodies made by members, in messages of limited length.
 void RoomPeer::say_made(MemberId to) {
   constexpr std::size_t kEach = 64;
   told_made_[to] = time_;
@@ -183,8 +182,7 @@ void RoomPeer::say_made(MemberId to) {
   }
 }
 
-/// Session time, ns, then the upper half of the id and the position of each body, for comparison by
-/// others.
+/// Session time, ns, then the upper half of the id and the position of each body.
 void RoomPeer::send_digest() {
   told_ = time_;
   Bytes out;

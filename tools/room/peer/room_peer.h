@@ -15,7 +15,7 @@
 
 namespace tandem::room {
 
-/// One native participant of a room: simulates all of it, as a page does, and may pull bodies.
+/// One native participant of a room: simulates all of it, and may pull bodies.
 /// @par Thread safety  One object: one thread at a time.
 class RoomPeer {
  public:

@@ -21,8 +21,8 @@ double mass_of(const Scene& scene, pbd::BodyId body) {
   return scene.world().props(body).type == BodyType::Dynamic ? scene.world().props(body).mass : 0.0;
 }
 
-/// Bodies that members may make: one shape of 3 cm to 1 m, near the room's centre. The page has the
-/// same rule (world.js).
+/// Bodies that members may make: one shape of 3 cm to 1 m, near the centre. The page has the same
+/// rule (world.js).
 bool may_be_made(const json& body) {
   const auto within = [](double value, double low, double high) {
     return value >= low && value <= high;

@@ -22,8 +22,8 @@ enum class Channel : std::uint8_t {
   Reliable = 1,  ///< sharing
   Words = 2,     ///< JSON: absence, made bodies, signalling for direct connections
   Digest = 3,    ///< positions of the sender's bodies, for comparison
-  Hand = 4,  ///< the sender's hand: f32 anchor and attachment, and the body's name. Headsets send
-             ///< head and hands (tools/room/README.md)
+  Hand = 4,      ///< the sender's hand: f32 anchor and attachment, body's name; for headsets see
+                 ///< tools/room/README.md
 };
 
 /// Members of a room as a transport between peers, through the room's server.

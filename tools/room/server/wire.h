@@ -10,7 +10,7 @@
 namespace tandem::room {
 
 /// Messages between a room's server and its members over their WebSocket: binary, little-endian,
-/// each begins with its kind (tools/room/README.md).
+/// kind first (tools/room/README.md).
 enum class Wire : std::uint8_t {
   // From a member:
   Join = 1,  ///< u64 its id; comes first
