@@ -31,7 +31,7 @@ def cells():
     for scene in LONG:
         for profile in range(1, 6):
             yield {"scene": scene, "profile": profile}
-    # Its springs are inputs, which rollback sends to all; agreement does so only in this variant.
+    # Its springs are inputs, which rollback sends to all; agreement only does so in this variant.
     for profile in 3, 5:
         yield {"scene": "piano", "variant": "soft", "profile": profile}
     for scene in "cliff", "pile":
@@ -74,7 +74,7 @@ def mean(rows, column):
 
 
 def table(file, name, keys, columns, rows):
-    """A line per each of `keys` (required values of the CSV's columns), means over seeds: printed, and as CSV."""
+    """A line per each of `keys` (values of the CSV's columns), means over seeds: printed, and as CSV."""
     lines = []
     for label, key in keys.items():
         cell = [[row for row in rows if row["way"] == way and all(row[c] == v for c, v in key.items())]

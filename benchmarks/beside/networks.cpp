@@ -111,8 +111,7 @@ double leap(std::span<const demos::PeerRecord> records) {
   return most;
 }
 
-/// True if its hand held a body so recently that the others may have heard of it at different
-/// times.
+/// True if its hand held a body recently: the others may have heard of it at different times.
 bool held_lately(const demos::Track& his, SessionTime time) {
   constexpr SessionTime kLate = 2'500'000'000;  // ns: a stall, and the time until all agree again
   const std::vector<demos::TrackSample>& way = his.samples();

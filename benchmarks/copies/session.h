@@ -23,8 +23,8 @@ inline constexpr SessionTime kStart = 1'000'000'000;  ///< ns
 inline SessionTime ns(double seconds) { return std::llround(1e9 * seconds); }
 consensus::SharedId shared_id(std::size_t index);
 
-/// s: latency at which states are `frames` steps of 1/60 s old on use. Slightly less, so that
-/// rounding does not add one.
+/// s: latency at which states are `frames` steps of 1/60 s old on use, slightly less against
+/// rounding.
 constexpr double latency_of(int frames) { return frames > 0 ? frames / 60.0 - 1e-6 : 0.0; }
 
 /// A peer's rate and clock.
@@ -82,7 +82,7 @@ class Session {
   consensus::VirtualNetwork network;
   std::vector<std::unique_ptr<Site>> sites;
 
-  /// Runs up to this time (s since the start), including steps that end then; none begins then.
+  /// Steps that end at this time (s since the start) run; none begins then.
   void run_until(double time);
 };
 

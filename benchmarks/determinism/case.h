@@ -22,7 +22,7 @@ void build_machine(Scene& scene);
 /// Every shape and a compound, dropped on a mesh and on a height field.
 void build_shapes(Scene& scene);
 
-/// Hash of three peers' worlds, who carry a plate of cubes over links with jitter and loss.
+/// Hash of the worlds of three peers that carry a plate of cubes over links with jitter and loss.
 std::uint64_t run_session(const Run& run);
 
 }  // namespace tandem::determinism

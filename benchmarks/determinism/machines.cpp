@@ -101,7 +101,7 @@ void build_shapes(Scene& scene) {
                                              Cone{0.25, 0.3},     hull()};
   bench::SceneRandom random;
   for (int i = 0; i < 84; ++i) {
-    // In separate statements: the evaluation order of a call's arguments depends on the compiler.
+    // In separate statements: compilers differ in the evaluation order of arguments.
     const double x = 12.0 * random.u() - 6.0;
     const double y = 5.0 * random.u() - 2.5;
     SolidDef def{.pose = at(x, y, 1.0 + 0.1 * i),

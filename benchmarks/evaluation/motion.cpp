@@ -137,7 +137,7 @@ Build flight(const Vec3& velocity, const Vec3& off) {
   };
 }
 
-/// A ball on a rod of 1 m, released at 0.5 rad; a later peer starts at the fallen position.
+/// A ball on a rod of 1 m, released at 0.5 rad; a later peer starts where it is by then.
 void pendulum(Site& site, bool /*first*/) {
   const double t = site.since();
   const double spin = -site.world().gravity().norm() * std::sin(0.5) * t;  // rad/s
@@ -148,8 +148,8 @@ void pendulum(Site& site, bool /*first*/) {
   joints.add(site.world(), pbd::BallJointDef{.b = site.ball(), .frame_b = {.anchor = -along}});
 }
 
-/// The first peer's hand holds the ball, swings it and releases it. Both peers have the hand of the
-/// single run, so that only the sharing differs.
+/// The first peer's hand holds, swings and releases the ball, with the motion of the single run, so
+/// that only the sharing differs.
 void thrown(Site& site, bool first) {
   site.share(Vec3::Zero(), Vec3::Zero());
   if (!first) return;

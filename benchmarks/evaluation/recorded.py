@@ -29,7 +29,7 @@ def _lines(results):
 
 
 def _over_limit(results, variants):
-    """The range of p95 over the limit's, for bodies held by one user, in scenes with bodies of one user each."""
+    """The range of p95 over the limit's, for bodies held by one user, in scenes with a body per user."""
     ratios = [over(*(mean(results.get((s, variants(s), p)), f"{which}.p95")
                      for which in ("held_by_one_m", "held_limit_m")))
               for s in ("cubes", "room") for p in range(1, 6)]

@@ -15,13 +15,13 @@ struct WorldOptions {
   bool sleeping = true;                  ///< bodies fall asleep by the engine's own rule
 };
 
-/// A world of Tandem or of another engine at its defaults, with the subset that these scenes need.
-/// All bodies are added before the first step.
+/// A world of Tandem or of another engine at its defaults. All bodies are added before the first
+/// step.
 class AnyWorld {
  public:
   virtual ~AnyWorld() = default;
 
-  /// As Scene::add.
+  /// See Scene::add.
   /// @throws std::invalid_argument if the engine or its adapter lacks such a body
   virtual BodyId add(std::span<const collision::CompoundPart> parts, const SolidDef& def) = 0;
   BodyId add(const collision::Shape& shape, const SolidDef& def = {});

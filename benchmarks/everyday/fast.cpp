@@ -14,8 +14,7 @@
 namespace tandem::everyday {
 namespace {
 
-/// A bat of 1.2 m on a vertical hinge; the ball is `phase` of a step's turn off a whole number of
-/// steps.
+/// A bat of 1.2 m on a vertical hinge; the ball is `phase` of a step's turn off a whole number.
 bool bat_hits(const bench::MakeEngine& peer, double spin, double phase, double ball_radius) {
   const auto world = make_world(peer, {.gravity = Vec3::Zero()});
   AnyWorld& scene = *world;

@@ -73,13 +73,13 @@ std::vector<Group> stand_groups();  // E9, E10
 std::vector<Group> rope_groups();   // E12
 /// All of the above, by kind.
 std::vector<Group> all_groups();
-/// Groups for another engine. A group throws std::invalid_argument if the engine lacks a shape.
+/// Groups for another engine. A group throws std::invalid_argument if it lacks a shape.
 std::vector<Group> peer_groups(const bench::MakeEngine& peer);
 
 std::vector<Line> run_group(const Group& group, Extent extent,
                             std::vector<std::string>* beyond = nullptr);
 
-/// The entry of known.cpp, the only list of exceptions, that covers a line; -1: the line must hold.
+/// The entry of known.cpp, the only list of exceptions, for a line; -1: it must hold.
 int known_entry(const Line& line);
 /// Subject and reason of an entry.
 std::string known_text(int entry);

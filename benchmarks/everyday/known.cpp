@@ -28,7 +28,7 @@ constexpr std::string_view kWay =
 constexpr std::string_view kRolls =
     "some roll on at 0.3 to 0.7 m/s, as E4 asks of a dowel: there is no rolling resistance";
 
-// Lines that do not hold yet, with their bounds unchanged; remove an entry once its lines hold.
+// Lines that do not hold yet; remove an entry once its lines hold.
 constexpr Known kKnown[] = {
     {"E2", "hulls of random points", "", "", kE2},
     {"E10", "house of 40 cards of 1 cm", "", "", kE10},

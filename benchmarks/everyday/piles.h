@@ -10,8 +10,8 @@ namespace tandem::everyday {
 
 inline const Vec3 kCardHalf(0.005, 0.1, 0.2);  // m
 
-/// Five storeys of leaning cards with others across them, 1 cm thick; all overlap by 3 mm at the
-/// start. The ground is at z = 0.
+/// Five storeys of leaning cards, 1 cm thick, with others across them; all start with 3 mm of
+/// overlap. The ground is at z = 0.
 std::vector<Pose> house_of_cards();
 
 }  // namespace tandem::everyday

@@ -190,8 +190,8 @@ Result Watch::finish() {
   }
   // Moving copies differ by the age of the updates.
   const double bound = start + 1e3 * scene_.differs + (scene_.by_angle ? 10.0 : 1000.0);
-  // Noise differs between quarters. With loss, chance places the longest gap, which decides the
-  // maximum: the rms then shows growth.
+  // Noise differs between quarters. With loss, chance places the longest gap and so the maximum:
+  // there the rms shows growth.
   const auto rms = [&](std::size_t from, std::size_t to) {
     double sum = 0.0;
     for (std::size_t k = from; k < to; ++k) sum += series[k] * series[k];

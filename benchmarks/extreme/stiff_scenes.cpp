@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLink = 0.1;  // m
 
-/// Ten links of 0.1 kg that hang from one user's hand and carry 100 kg, which another user moves.
+/// Ten links of 0.1 kg hang from one user's hand and carry 100 kg, which another user moves.
 Scene heavy_chain() {
   constexpr int kLinks = 10;
   constexpr double kHeavy = 100.0;
@@ -52,8 +52,7 @@ Scene heavy_chain() {
   return scene;
 }
 
-/// Two cubes joined by a rigid bar of a metre, whose ends two users pull apart by half a metre
-/// each.
+/// Two cubes joined by a rigid bar of a metre, whose ends two users pull half a metre outwards.
 Scene bar_pulled_apart() {
   constexpr double kHalfLength = 0.5;
   constexpr double kMass = 10.0;

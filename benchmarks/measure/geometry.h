@@ -8,15 +8,14 @@
 
 #include "demos/engine/scene.h"
 
-/// Distances between sharp shapes, written only for the benchmarks: independent of all engines.
+/// Distances between sharp shapes, independent of all engines.
 namespace tandem::bench {
 
-/// Largest separation over the 15 axes of two boxes: minus the depth if they overlap, otherwise a
+/// Largest separation over the 15 axes of two boxes: minus the depth of an overlap, otherwise a
 /// lower bound of their distance.
 double box_box_gap(const Vec3& half_a, const Pose& a, const Vec3& half_b, const Pose& b);
 
-/// Gap between a box's deepest corner and the face plane of a fixed box with the largest
-/// separation: for floors and walls.
+/// Gap between a box's deepest corner and the fixed box's face plane of largest separation.
 double box_wall_gap(const Vec3& half, const Pose& pose, const Vec3& half_wall, const Pose& wall);
 
 double sphere_box_gap(double radius, const Vec3& centre, const Vec3& half_wall, const Pose& wall);
@@ -24,7 +23,7 @@ double sphere_box_gap(double radius, const Vec3& centre, const Vec3& half_wall, 
 /// The point of the triangle nearest to `p`.
 Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// A surface of triangles with one height above each point of the plane, for balls over it.
+/// A surface of triangles with one height above each point of the plane.
 class HeightSurface {
  public:
   explicit HeightSurface(const MeshData& mesh);

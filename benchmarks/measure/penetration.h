@@ -17,7 +17,7 @@ struct Penetration {
 };
 
 /// Measures overlap from the poses, the same for every engine: balls and boxes with each other,
-/// with fixed boxes and with one fixed surface.
+/// with fixed boxes and with a surface.
 class PenetrationProbe {
  public:
   explicit PenetrationProbe(const Scene& scene);

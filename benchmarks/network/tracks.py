@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""Divergence from the tracks that both processes of a session have recorded of their own bodies, by
-the rules of demos/measures/metrics.cpp and demos/session/track.cpp."""
+"""Divergence from the tracks that both processes of a session recorded of their own bodies, by the
+rules of demos/measures/metrics.cpp and demos/session/track.cpp."""
 import bisect
 import csv
 import json

@@ -110,8 +110,8 @@ void bounce(Sheet& sheet, double restitution) {
   sheet.at_most("energy growth", energy.growth(), 1e-3, "of the total", "passive");
 }
 
-/// Equal balls on rods, side by side. The first ones are released from an angle: as many leave at
-/// the other end.
+/// Equal balls on rods, side by side. As many leave at one end as are released from an angle at the
+/// other.
 struct Cradle {
   double radius = 0.1;  // m
   double rod = 1.0;     // m
@@ -156,8 +156,7 @@ void cradle(Sheet& sheet, const Cradle& c) {
   sheet.at_most("energy growth", energy.growth(), 1e-3, "of the total", "passive");
 }
 
-/// A ball of 5 cm hits a row of four on a smooth plane, each lighter than the one before: pairwise
-/// collisions.
+/// A ball of 5 cm hits a row of four, each lighter than the one before: pairwise collisions.
 void unequal_row(Sheet& sheet) {
   constexpr double kRadius = 0.05;
   constexpr double kMasses[] = {5.0, 4.0, 3.0, 2.0, 1.0};  // kg

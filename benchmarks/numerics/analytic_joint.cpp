@@ -72,7 +72,7 @@ double period_of(const std::vector<double>& stretch, double dt, double guess) {
   return guess > 20.0 * dt ? crossing_period(stretch, dt) : sinusoid_period(stretch, dt);
 }
 
-/// Mass grows with stiffness, so that the period stays 0.63 s: stiffness alone must not matter.
+/// Mass grows with stiffness: the period stays 0.63 s, and stiffness alone must not matter.
 void spring_scaled(Sheet& sheet) {
   const double dt = Scene{}.dt;
   for (int e = 0; e <= 8; ++e) {
@@ -118,7 +118,7 @@ double catenary_sag(double length, double span) {
 }
 
 /// Fifty links between two pivots, starting along an arc; the harness removes 3 % of all speed per
-/// frame until they hang still.
+/// frame.
 void rope(Sheet& sheet) {
   constexpr int kLinks = 50;
   constexpr double kLength = 0.1;

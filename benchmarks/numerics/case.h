@@ -10,8 +10,7 @@
 
 #include "demos/engine/engine.h"
 
-/// Scenes with a known outcome: each case gives its result, the reference and the bound. All at the
-/// engine's default setting.
+/// Scenes with a known outcome: result, reference and bound. All at the engine's default setting.
 namespace tandem::bench {
 
 constexpr double kGravity = 9.81;  // m/s^2, down, unless a case says otherwise
@@ -85,8 +84,7 @@ struct Outcome {
 /// @param make  null: the engine is absent
 Outcome run_case(const Case& which, const MakeEngine& make);
 
-/// Reason why a line of Tandem is known to fail, empty if it must hold. The only list of
-/// exceptions.
+/// Why a line of Tandem is known to fail, empty if it must hold. The only list of exceptions.
 std::string_view known_failure(const std::string& name, const std::string& measure);
 std::vector<std::string_view> known_cases();
 

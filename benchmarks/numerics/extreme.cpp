@@ -90,7 +90,7 @@ void very_fast_spin(Sheet& sheet) {
   sheet.at_most("way of the centre", moved, 1e-9, "m", "no force");
 }
 
-/// A ball that spins on the floor at 1e4 rad/s about a horizontal axis: friction accelerates it.
+/// A ball that spins on the floor at 1e4 rad/s about a horizontal axis.
 void spin_on_floor(Sheet& sheet) {
   Scene scene;
   scene.add_static(PlaneShape{});

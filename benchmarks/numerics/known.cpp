@@ -11,7 +11,7 @@ struct Known {
   std::string_view reason;
 };
 
-// Lines that do not hold yet, with their bounds unchanged; remove an entry once its lines hold.
+// Lines that do not hold yet; remove an entry once its lines hold.
 constexpr Known kKnown[] = {
     {"heavy boxes dropped on light ones", "drift",
      "300 times the mass wants more sweeps than a step has; what pushes it out keeps it moving"},

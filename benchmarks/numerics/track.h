@@ -75,8 +75,8 @@ inline double elliptic_k(double k) {
   return std::numbers::pi / (2.0 * a);
 }
 
-/// Period (s) of a symmetric signal about 0 sampled each dt: twice the time between its crossings,
-/// interpolated. 0 with fewer than two.
+/// Period (s) of a symmetric signal about 0 sampled each dt, by interpolated crossings. 0 with
+/// fewer than two.
 inline double crossing_period(const std::vector<double>& x, double dt) {
   std::vector<double> times;
   for (std::size_t i = 1; i < x.size(); ++i) {

@@ -88,8 +88,8 @@ def _text(rows, column):
 
 
 def _compare(runs_of, ours, theirs):
-    """By measure: geometric mean of their ratio to ours, and the numbers of cells in which we are better, equal and
-    worse, beyond the seeds' interval."""
+    """By measure: geometric mean of their ratio to ours, and the cells in which we are better, equal and worse, beyond
+    the seeds' interval."""
     found = {}
     for name in COMPARED:
         column = MEASURES[name]

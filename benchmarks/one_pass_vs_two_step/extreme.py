@@ -78,8 +78,8 @@ def _row(what, measured, bound, holds):
 
 
 def _excess(rows):
-    """By scheme, the case with the largest excess of kinetic energy over the work done. The account's error, measured
-    without agreement, is subtracted."""
+    """By scheme, the case with the largest excess of kinetic energy over work. The account's error, measured without
+    agreement, is subtracted."""
     error = {}
     for r in rows:
         if r["scheme"] == "none":
@@ -173,8 +173,8 @@ def _scenes(rows):
 
 
 def _loses(rows):
-    """Scenes at profile 5 in which one pass ends farther apart than the compared scheme. With different geometry, being
-    closer means penetration."""
+    """Scenes at profile 5 in which one pass ends farther apart. With different geometry, being closer means
+    penetration."""
     near = [r for r in rows if r["group"] in GROUPS and r["link"] == FAR and float(r["share"]) == 0
             and r["group"] != "geometry"]
     found = {}

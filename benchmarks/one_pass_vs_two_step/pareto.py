@@ -67,8 +67,7 @@ def _unstable(row):
 
 
 class Front:
-    """Settings of one scheme in one cell: time and error by seed. Settings that are unstable with any seed are left
-    out."""
+    """Stable settings of one scheme in one cell: time and error by seed."""
 
     def __init__(self, rows, scheme, error):
         self.points = {}
@@ -99,9 +98,8 @@ class Front:
         return min(within, key=lambda e: statistics.fmean(e.values())) if within else None
 
 def verdict(rows, ours, theirs, error, budgets=9):
-    """Their best error over ours at equal time: geometric mean over budgets and seeds, and the ends of its 95 %
-    interval over seeds; infinite if they have no stable setting, 0 if we have none; None if there is nothing to
-    compare."""
+    """Their best error over ours at equal time: geometric mean over budgets and seeds, and its 95 % interval over
+    seeds; infinite if they have no stable setting, 0 if we have none; None if there is nothing to compare."""
     a, b = Front(rows, ours, error), Front(rows, theirs, error)
     said = any(demo_runs.number(r, error) is not None for r in rows)
     if not said or not (a.points or a.lost) or not (b.points or b.lost):

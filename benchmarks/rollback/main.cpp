@@ -126,8 +126,8 @@ Run run(const demos::Scenario& scenario, const Options& options, const std::stri
   return run_coupling(scenario, demo, substeps, join);
 }
 
-/// s from the last peer's arrival until all its bodies were within a centimetre of the first
-/// peer's; < 0 = never.
+/// s from the last peer's arrival until its bodies were within a centimetre of the first peer's; <
+/// 0 = never.
 double joined_after(const Run& run, double came) {
   constexpr double kLevel = 0.01;  // m
   const demos::PeerRecord two[] = {run.peers.front(), run.peers.back()};

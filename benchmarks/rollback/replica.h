@@ -57,10 +57,9 @@ class Replica {
   std::vector<std::byte> snapshot() const;
   void restore(pbd::ByteReader& in);
 
-  /// Predicts a peer's unknown input for a frame: all hands that moved in the frame before stop or
-  /// continue.
+  /// Predicts a peer's unknown input: all hands that moved in the frame before stop or continue.
   Inputs predict(std::uint32_t peer, std::int64_t frame, bool go_on) const;
-  /// Applies a peer's input for this frame; call for all peers, in the same order everywhere.
+  /// Call for all peers, in the same order everywhere.
   void apply(std::uint32_t peer, std::int64_t frame, const Inputs& inputs);
   void step(std::int64_t frame);
 

@@ -39,8 +39,7 @@ RollbackPeer::RollbackPeer(const demos::Scenario& scenario, const demos::DemoOpt
   for (Remote& remote : remotes_) remote.predicted.resize(saved_.size());
   remotes_[number].inputs.resize(static_cast<std::size_t>(options.input_delay));
   if (options.join == 0) return;
-  // A newcomer's initial input is known: none before it joins. Earlier events need not be sent to
-  // it.
+  // A newcomer has no input before it joins, and needs no earlier events.
   joined_ = !is_late(number);
   remotes_.back().inputs.resize(static_cast<std::size_t>(options.join + kJoinLead));
   remotes_.back().acknowledged = static_cast<std::size_t>(options.join - options.prediction_window);
@@ -171,7 +170,7 @@ void RollbackPeer::send_to(std::size_t to, std::int64_t round_trip, int new_fram
   std::size_t first = remotes_[to].acknowledged;
   // A peer that catches up has several unsent frames.
   const auto newest = static_cast<std::size_t>(options_.redundancy + std::max(new_frames, 1) - 1);
-  // Resend an input only while it is new, or its acknowledgement is overdue. A stalled peer has
+  // Resend an input while it is new, or if its acknowledgement is overdue. A stalled peer has
   // nothing newer: the others may wait for exactly that.
   const double late = 1e-9 * static_cast<double>(round_trip) * kFrameHz + kSlack;
   const bool lost = new_frames == 0 || round_trip < 0 ||

@@ -10,8 +10,7 @@
 
 namespace tandem::rollback_bench {
 
-/// Frames from a newcomer's request until its users act: by then all know of it, and that it did
-/// nothing before.
+/// Frames from a newcomer's request until its users act: by then all know of it.
 inline constexpr std::int64_t kJoinLead = 60;
 
 struct RollbackOptions {

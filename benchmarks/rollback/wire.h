@@ -9,8 +9,7 @@
 
 namespace tandem::rollback_bench {
 
-/// One peer's input for one frame: its users' actions, in order. Their times are not used: the
-/// frame defines the time.
+/// One peer's input for one frame: its users' actions, in order, without times.
 using Inputs = std::vector<demos::Input>;
 
 /// Positions and strengths as floats, orientations in 16 bits each: 15 bytes for a moving spring.

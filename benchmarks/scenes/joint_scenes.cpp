@@ -219,8 +219,7 @@ void build_crane(Scene& scene, int links) {
   }
 }
 
-/// On two hinges each, as in Box3D; every second turns the other way. They drive against their
-/// stops.
+/// On two hinges each, as in Box3D, alternately left and right. They drive against their stops.
 void build_doors(Scene& scene, int doors) {
   const Vec3 half(0.75, 0.1, 1.5);
   const int side = static_cast<int>(std::ceil(std::sqrt(doors)));

@@ -102,8 +102,7 @@ void build_pyramid(Scene& scene) {
   }
 }
 
-/// Rows of 1 m cubes, each shifted by half a cube from the one below, the cubes of a row side by
-/// side.
+/// Rows of 1 m cubes, each shifted by half a cube from the one below.
 void add_pyramid(Scene& scene, int base, double x, double y) {
   for (int row = 0; row < base; ++row) {
     const int count = base - row;

@@ -32,7 +32,7 @@ JOINTS = ("human", "rain", "wedge", "joint_grid", "ball_and_chain", "bridge", "c
 LARGE_JOINTS = ("rain 20", "joint_grid 100")
 REFERENCE = Path(__file__).resolve().parent.parent / "data" / "chain_reference.txt"
 
-# (substeps, iterations); None = the engine's default, all None = the default row. The heap also runs with two threads.
+# (substeps, iterations); None = the engine's default, all None = the default row. The heap runs with two threads too.
 DEFAULT = (None, None)
 TWO_THREADS = "2 threads"
 FULL = {
