@@ -32,13 +32,12 @@ constexpr std::string_view kUsage =
     "       tandem-cluster SCENE ... --replay PREFIX.RANK\n"
     "SCENE is cliff, cubes, edge, heap or pyramid. Steps 1/60 s, without waiting for the clock; "
     "rank 0\n"
-    "prints what came of it. --size is that of the scene: balls, stacks, bodies, cubes in a row.\n"
-    "--checkpoint writes FILE every STEPS (600) and at the end; --resume goes on from one, on any\n"
-    "number of ranks. --die is for tests: that rank ends before that step. --record writes what "
-    "each\n"
-    "rank is told; --replay is that rank again, by itself and without mpirun, given the same "
-    "other\n"
-    "options: it prints the processor time of each step.\n";
+    "prints the results. --size is the scene's: balls, stacks, bodies, cubes in a row.\n"
+    "--checkpoint writes FILE every STEPS (600) and at the end; --resume continues from one, on "
+    "any\n"
+    "number of ranks. --die is for tests: that rank ends before that step. --record writes the\n"
+    "input of each rank; --replay runs that rank alone, without mpirun, with otherwise the same\n"
+    "options, and prints the processor time of each step.\n";
 
 struct Options {
   std::string scene;

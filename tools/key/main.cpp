@@ -30,13 +30,11 @@ constexpr std::string_view kUsage =
     "       tandem-key --fingerprint FILE     prints its fingerprint, for people to compare\n"
     "       tandem-key --organiser FILE       prints the public key of an organiser\n"
     "       tandem-key --certify FILE PUBLIC ID ROLE DAYS\n"
-    "           prints what lets in the peer of that public key and id, as watch, act or share, "
-    "for\n"
-    "           so many days; FILE has the organiser's key\n"
+    "           prints a certificate that admits the peer with that public key and id, as watch,\n"
+    "           act or share, for that many days; FILE has the organiser's key\n"
     "       tandem-key --change FILE NUMBER [PUBLIC]...\n"
-    "           prints a change of the group: a new session key, and whose public keys are "
-    "revoked,\n"
-    "           all of them each time; each NUMBER is larger than the last. Keep it secret\n";
+    "           prints a change of the group: a new session key, and all revoked public keys;\n"
+    "           each NUMBER is larger than the last. Keep it secret\n";
 
 void print(std::span<const std::byte> bytes) {
   for (const std::byte byte : bytes) std::printf("%02x", std::to_integer<unsigned>(byte));

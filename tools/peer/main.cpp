@@ -32,9 +32,9 @@ std::string usage() {
          std::string(kScenarioNames) +
          ", the same for all peers\n"
          "  --config  TOML, see docs/tandem-peer.md\n"
-         "  --check   read the file, say what is wrong with it, do nothing else\n"
-         "  --trace   write all that enters this peer, for tandem-replay, see docs/trace.md\n"
-         "  --transport  udp, tcp or nats, whatever network.transport says\n"
+         "  --check   only check the file\n"
+         "  --trace   record all input of this peer, for tandem-replay, see docs/trace.md\n"
+         "  --transport  udp, tcp or nats, overrides network.transport\n"
          "  --view    serve a page that shows this peer's world (docs/view.md), at view.port or "
          "PORT\n"
          "for example: tandem-peer cubes --config peers.toml --check\n";

@@ -30,16 +30,15 @@ constexpr std::chrono::seconds kForgetAfter{60};  // of a client's silence
 
 constexpr std::string_view kUsage =
     "usage: proxy [options] PORT=HOST:PORT...\n"
-    "What arrives at a port goes on to another address, and back. A port of 0 takes a free one; "
-    "the\n"
-    "ports are printed. Ctrl-c ends it, and says what became of the datagrams. Options hold for "
-    "the\n"
-    "routes after them:\n"
+    "Forwards datagrams from each port to another address, and back. A port of 0 takes a free "
+    "one;\n"
+    "the ports are printed. Ctrl-c ends it and prints counts of the datagrams. Options hold for\n"
+    "the routes after them:\n"
     "  --profile 0..5    latency and jitter: 0, 3.5, 6, 28.5, 63.5 or 123.5 ms one way (0)\n"
     "  --latency MS --jitter MS\n"
     "  --loss P --duplicate P --reorder P   chances for each datagram (0)\n"
     "  --bandwidth B     bit/s in each direction (0 = unlimited)\n"
-    "  --seed N          of everything that is drawn (1)\n"
+    "  --seed N          of all random numbers (1)\n"
     "  --host ADDRESS    of the ports (127.0.0.1)\n";
 
 struct Settings {

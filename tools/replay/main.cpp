@@ -27,12 +27,11 @@ namespace {
 using namespace tandem::demos;
 
 constexpr std::string_view kUsage =
-    "usage: tandem-replay TRACE          run the peer again and compare: 0 = bit-exact, 1 = not,\n"
-    "                                    2 = not a trace that can be run here\n"
-    "       tandem-replay --info TRACE   say what is in it\n"
-    "       tandem-replay --diff A B     two runs of one peer: where they differ first; two peers "
-    "of\n"
-    "                                    one session: where their copies are further apart than\n"
+    "usage: tandem-replay TRACE          replay the peer and compare: 0 = bit-exact, 1 = not,\n"
+    "                                    2 = the trace cannot be run here\n"
+    "       tandem-replay --info TRACE   describe it\n"
+    "       tandem-replay --diff A B     two runs of one peer: their first difference; two peers\n"
+    "                                    of one session: where copies are farther apart than\n"
     "         --tolerance M              m (0.05)\n";
 
 /// A trace in memory, read to its end.

@@ -26,19 +26,19 @@ using nlohmann::json;
 
 constexpr std::string_view kUsage =
     "usage: tandem-room-peer LINK --scene FILE [OPTION]...\n"
-    "A peer without a page in the room of a link, which tandem-room has printed or a page shows: "
-    "it keeps\n"
-    "the room's state while no page is open, and does what is told on standard input, a line "
-    "each:\n"
+    "A peer without a page in the room of a link, which tandem-room has printed or a page shows. "
+    "It keeps\n"
+    "the room's state while no page is open, and executes commands from standard input, one per "
+    "line:\n"
     "  pull BODY X Y Z   hold a body and move the hand there (m)\n"
-    "  release           let it go\n"
-    "  poses             print where all bodies are\n"
-    "  watch BODY        print where it is after each step\n"
-    "  watch             no longer\n"
+    "  release           release it\n"
+    "  poses             print the positions of all bodies\n"
+    "  watch BODY        print its position after each step\n"
+    "  watch             stop watching\n"
     "  quit              (or the end of the input, unless --stay)\n"
     "  --scene FILE      the room's file, tools/room/page/room-NAME.json\n"
-    "  --name NAME       as others see it; native\n"
-    "  --stay            go on where the input ends, until ctrl-c\n"
+    "  --name NAME       shown to others; native\n"
+    "  --stay            continue after the end of the input, until ctrl-c\n"
     "Answers are lines of JSON; times are session time, s since 1970.\n";
 
 std::string read_file(const std::string& path) {

@@ -23,20 +23,18 @@ using namespace tandem;
 
 constexpr std::string_view kUsage =
     "usage: tandem-room [OPTION]...\n"
-    "Serves rooms that people enter by a link, and prints it. Ends with ctrl-c; people who reach "
-    "each\n"
-    "other go on.\n"
-    "  --page FOLDER       the page, as target tandem_room_page of preset web makes it; the one\n"
-    "                      that is installed with this program\n"
-    "  --room NAME         which room the link leads to: sandbox, piano or tennis; sandbox\n"
+    "Serves rooms that people enter by a link, and prints it. Ends with ctrl-c; people with "
+    "direct\n"
+    "connections stay connected.\n"
+    "  --page FOLDER       the page, made by target tandem_room_page of preset web; default: the\n"
+    "                      installed one\n"
+    "  --room NAME         room of the link: sandbox, piano or tennis; sandbox\n"
     "  --listen ADDRESS    numeric; 127.0.0.1, and 0.0.0.0 for all networks\n"
     "  --port NUMBER       0 takes a free one; 0\n"
-    "  --name HOST[:PORT]  by which pages reach it through a proxy\n"
-    "  --token DIGITS      32 hex digits, the part of the address that lets in; drawn at each "
-    "start\n"
-    "  --no-key            prints the link without a key: the first page draws one, and this "
-    "program\n"
-    "                      has never seen it\n";
+    "  --name HOST[:PORT]  of a proxy in front of it\n"
+    "  --token DIGITS      32 hex digits, the secret part of the address; drawn at each start\n"
+    "  --no-key            prints the link without a key: the first page draws one, unknown to\n"
+    "                      this program\n";
 
 /// The installed folder of the page; empty if there is none.
 std::string installed_page() {
