@@ -30,8 +30,8 @@ struct Options {
 constexpr std::string_view kUsage =
     "usage: everyday [--engine NAME] [--kind E4] [--only TEXT] [--quick] [--json FILE] [--cases] "
     "[--list]\n"
-    "  --engine     another engine that this build has, at its defaults\n"
-    "  --only TEXT  groups whose name or ground has it\n"
+    "  --engine     another engine of this build, at its defaults\n"
+    "  --only TEXT  groups with it in name or ground\n"
     "  --quick      a few cases of some groups\n"
     "  --cases      each case beyond its bound, on standard error\n";
 

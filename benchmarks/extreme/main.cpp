@@ -29,8 +29,8 @@ struct Options {
 constexpr std::string_view kUsage =
     "usage: extreme [--group G] [--scene PART] [--scheme S] [--link L] [--share S] [--seeds N]\n"
     "       extreme --cost\n"
-    "  --link: frames of delay, or \"profile 5\"; several may be given. --share: what all "
-    "announce, and the part of a gap that is closed per 1/60 s\n";
+    "  --link: frames of delay, or \"profile 5\"; several may be given. --share: announced by "
+    "all, and part of a gap closed per 1/60 s\n";
 
 Options parse(std::span<const std::string_view> words) {
   using tandem::demos::Argument;

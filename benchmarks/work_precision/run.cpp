@@ -163,7 +163,7 @@ int work_precision_main(int argc, char** argv, const MakeEngine& make) {
       "Scenes: cliff, stacks, katamari, chain, heap, ratio, pyramid; of joints, which have a "
       "size:\n"
       "human, rain, wedge, joint_grid, ball_and_chain, bridge, crane, doors.\n"
-      "What is not given is the engine's default.\n";
+      "Unset options keep the engine's defaults.\n";
   return demos::program_main(argc, argv, kUsage, [&](std::span<const std::string_view> words) {
     run(parse_arguments(words), make);
     return 0;
