@@ -3,7 +3,8 @@
 # Copyright (c) 2026 The Tandem authors
 #
 # Builds `determinism` with g++, clang and, if built before (preset web), for WebAssembly, runs all of them and prints
-# the table of docs/determinism.md. Exits with 1 if two hashes differ.
+# the table of docs/determinism.md. Exits with 1 if two hashes differ, or the page
+# has others.
 #   benchmarks/determinism/table.sh [--quick|--cross] [arguments of determinism]
 # --quick: without clang
 # --cross: also libc++, ARM and Windows, by cross.sh, ten minutes more

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-"""The section of docs/numerics.md on everyday scenes, from the output of `everyday --json`."""
+"""The section on everyday scenes of docs/numerics.md, from what `everyday --json` wrote."""
 import json
 from pathlib import Path
 
@@ -8,7 +8,7 @@ import results as runs
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 HEADING = "## Everyday scenes"
-# Subject of a kind, by its number.
+# What a kind is about, by its number.
 KINDS = {
     "E1": "seams of tiles",
     "E2": "hulls of random points",
@@ -26,9 +26,9 @@ ENGINES = runs.NAMES
 INTRODUCTION = """\
 `benchmarks/everyday` runs small scenes that users of any engine build, over many neighbours (shapes, sizes, speeds,
 phases within a step, grounds), at the default settings. A line is the worst of its cases beside what physics allows.
-`--cases` prints each case beyond its bound; `known.cpp` gives reasons. `everyday_test` runs a few cases (`--quick`),
-`.ci/run everyday` all."""
-# The scenes in other engines.
+`--cases` prints each case beyond its bound; `known.cpp` gives reasons. `everyday_test` runs a few, `.ci/run everyday`
+all."""
+# What the scenes are in other engines.
 BESIDE = """\
 `--engine` runs them in [another engine](../benchmarks/peers/README.md#what-they-run-with), at its defaults but without
 damping. A dash: its adapter lacks such a body (cones, compounds, height fields, kinematic bodies), or only Tandem was
@@ -37,7 +37,7 @@ run. No body is marked as fast (bullet, linear cast). Jolt and Box3D limit spin 
 
 
 def number(value):
-    # The program writes infinity as 1e300, since JSON has none.
+    # The program writes 1e300 where the value is infinite: JSON has no infinity.
     return "infinite" if value >= 1e300 else f"{value:.3g}"
 
 
@@ -52,7 +52,7 @@ def holds(line):
 
 
 def beyond(lines):
-    """The line of each measure that is furthest beyond its bound."""
+    """Of each measure the line that is furthest beyond its bound."""
     worst = {}
     for line in lines:
         share = line["worst"] / line["bound"] if line["bound"] > 0.0 else line["worst"]
@@ -71,7 +71,7 @@ def read(path):
 
 
 def peers(results):
-    """Lines of each other engine: those of this run, otherwise the last measured ones."""
+    """Lines of each other engine: those of this run, else those that were measured last."""
     found = {}
     for engine in ENGINES:
         files = [folder / f"everyday_{engine}.json" for folder in (results, DATA)]
@@ -82,7 +82,7 @@ def peers(results):
 
 
 def findings(results):
-    """@return lines of Markdown: how many lines hold in each engine; empty without measurements"""
+    """@return lines of Markdown: how many lines hold in each engine, none where nothing was measured"""
     if not (results / "everyday.json").exists():
         return []
     lines = list(read(results / "everyday.json").values())
@@ -121,7 +121,7 @@ def table(lines, others):
 
 
 def section(results):
-    """@param results  folder with everyday.json, and everyday_ENGINE.json of others
+    """@param results  folder that has everyday.json, and everyday_ENGINE.json of others
     @return lines of Markdown"""
     lines = list(read(results / "everyday.json").values())
     others = peers(results)
