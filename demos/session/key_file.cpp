@@ -77,7 +77,13 @@ class Account {
   alignas(TOKEN_USER) std::array<std::byte, sizeof(TOKEN_USER) + SECURITY_MAX_SID_SIZE> bytes_{};
 };
 
-/// True if an entry admits only the accounts of `for_owner_alone`.
+/// True for the accounts of `for_owner_alone`.
+bool is_owner(PSID who, PSID user) {
+  return EqualSid(who, user) != 0 || IsWellKnownSid(who, WinLocalSystemSid) != 0 ||
+         IsWellKnownSid(who, WinBuiltinAdministratorsSid) != 0;
+}
+
+/// True if an entry admits only them.
 bool harmless(void* entry, PSID user) {
   constexpr DWORD kInside = FILE_READ_DATA | FILE_WRITE_DATA | FILE_APPEND_DATA | WRITE_DAC |
                             WRITE_OWNER | GENERIC_READ | GENERIC_WRITE | GENERIC_ALL;
