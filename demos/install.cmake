@@ -18,11 +18,11 @@ function(_install_programs destination)
       endif()
     endif()
   endforeach()
-  # Those that have been built.
+  # The demos that have been built.
   install(TARGETS ${programs} RUNTIME DESTINATION "${destination}" COMPONENT demos OPTIONAL)
 endfunction()
 
-# What of other projects is in the programs.
+# Parts of other projects in the programs.
 install(FILES "${CMAKE_CURRENT_LIST_DIR}/NOTICES.txt"
         DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/tandem-demos" COMPONENT demos)
 

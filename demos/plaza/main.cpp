@@ -28,7 +28,7 @@ std::string usage() {
          "  --people     who walk, carry, push and throw, 1 to 5000: 20\n"
          "  --bodies     crates and balls, 0 to 100000: 1000\n"
          "  --side       m, of the square, 2 to 10000: 100\n"
-         "  --density    m^2 for each person, in place of --side; and one body for each person\n"
+         "  --density    m^2 for each person, instead of --side; and one body for each person\n"
          "  --seconds    s of session time that are counted, after 3 s to settle: 20\n"
          "  --near       m: whom a person hears; bodies half as far; 2 to 50: 8\n"
          "  --hz         steps and --update-hz states a second: 60, 20\n"
