@@ -3,7 +3,7 @@
 //
 // The page's texts about scenes, couplings and scores.
 
-/** What to look at, by scene. */
+/** Where to look, by scene. */
 const SENTENCES = {
   cubes: 'Two people on two machines pull cubes from stacks, then carry the plate together. Watch ' +
     'whether the stacks stand alike at both while the plate is in the air.',
