@@ -35,7 +35,7 @@ Cflags: -I\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}/eigen3
   endif()
 endif()
 
-# What of other projects is in the archives and programs, as Debian has their licences.
+# Parts of other projects in the archives and programs, with their licences from Debian.
 set(packages libfcl-dev libccd-dev libsodium-dev libeigen3-dev libxsimd-dev libasio-dev
   libtinyobjloader-dev nlohmann-json3-dev libtomlplusplus-dev libtinygltf-dev)
 if(WIN32)

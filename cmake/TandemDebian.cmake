@@ -17,7 +17,7 @@ endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME tandem)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-# Who publishes the packages says who: -DTANDEM_PACKAGER="Name <address>".
+# The publisher of the packages names himself by -DTANDEM_PACKAGER="Name <address>".
 set(TANDEM_PACKAGER "The Tandem authors <tandem@localhost>" CACHE STRING
     "Maintainer of Debian packages: Name <address>")
 mark_as_advanced(TANDEM_PACKAGER)
@@ -43,8 +43,9 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
 set(needs)
 if(CMAKE_CROSSCOMPILING)
-  # Whose packages the libraries of the system are, dpkg knows of this machine's own alone. FCL, libccd,
-  # libsodium and tinyobjloader are inside; the compiler's runtime is that of Debian 12.
+  # dpkg knows the packages of the system's libraries for this machine's own architecture alone.
+  # FCL, libccd, libsodium and tinyobjloader are inside; the compiler's runtime is that of Debian
+  # 12.
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
   set(needs "libc6 (>= 2.36), libgcc-s1 (>= 3.3), libstdc++6 (>= 12)")
   set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "${needs}")
@@ -88,7 +89,7 @@ set(CPACK_DEBIAN_DEMOS_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION})${needs
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "${runtime} (= ${PROJECT_VERSION}), ${tandem_python_needs}")
 
-# What Debian wants to find in each package.
+# Files that Debian requires in each package.
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   string(TOUPPER ${component} upper)
   set(documents "${CMAKE_INSTALL_DATAROOTDIR}/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}")

@@ -11,7 +11,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
   add_compile_options(-U__ARM_FEATURE_FMA)
 endif()
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
-# Structs of one source file are written so as well, and need no defaults; those in public headers have
+# Structs of one source file are also written so, and need no defaults; those in public headers have
 # them (tests/package/designated.py).
 add_compile_options(-Wno-missing-field-initializers)
 if(WIN32)

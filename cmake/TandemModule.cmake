@@ -103,8 +103,8 @@ function(_tandem_shared target)
   endif()
 endfunction()
 
-# Compiles each public header of a module alone. It globs on purpose: a header that nobody lists is
-# checked as well.
+# Compiles each public header of a module alone. It globs on purpose: a header that is not listed is
+# checked too.
 function(_tandem_header_check name)
   file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${CMAKE_CURRENT_SOURCE_DIR}/include"
        "${CMAKE_CURRENT_SOURCE_DIR}/include/tandem/*.h"

@@ -39,7 +39,7 @@ class Tally {
   void failed(const std::string& measure, bool failed, int allowed, const std::string& which);
 
   const std::vector<Line>& lines() const { return lines_; }
-  /// Those beyond their bound, in words.
+  /// Measures beyond their bound, in words.
   const std::vector<std::string>& beyond() const { return beyond_; }
 
  private:

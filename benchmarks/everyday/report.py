@@ -8,7 +8,7 @@ import results as runs
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 HEADING = "## Everyday scenes"
-# What a kind is about, by its number.
+# Topic of a kind, by its number.
 KINDS = {
     "E1": "seams of tiles",
     "E2": "hulls of random points",
@@ -28,7 +28,7 @@ INTRODUCTION = """\
 phases within a step, grounds), at the default settings. A line is the worst of its cases beside what physics allows.
 `--cases` prints each case beyond its bound; `known.cpp` gives reasons. `everyday_test` runs a few, `.ci/run everyday`
 all."""
-# What the scenes are in other engines.
+# Counterparts of the scenes in other engines.
 BESIDE = """\
 `--engine` runs them in [another engine](../benchmarks/peers/README.md#what-they-run-with), at its defaults but without
 damping. A dash: its adapter lacks such a body (cones, compounds, height fields, kinematic bodies), or only Tandem was

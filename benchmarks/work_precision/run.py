@@ -104,7 +104,7 @@ def main():
     parser.add_argument("--repeats", type=int, help="3 by default, 1 with --quick")
     parser.add_argument("--scenes", nargs="*", default=[*SMALL, *LARGE],
                         choices=[*SMALL, *LARGE, *JOINTS, *LARGE_JOINTS])
-    parser.add_argument("--joints", action="store_true", help="the scenes of joints in place of those")
+    parser.add_argument("--joints", action="store_true", help="the scenes of joints instead of those")
     parser.add_argument("--engines", nargs="*", default=list(results.NAMES),
                         choices=list(results.NAMES))
     parser.add_argument("--defaults-only", action="store_true", help="no other setting")

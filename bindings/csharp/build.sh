@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
 #
-# What the package for Unity has for one system, in build/csharp_SYSTEM, wanting no libraries of that system's but C's:
+# The Unity package's library for one system, in build/csharp_SYSTEM. It needs only that system's C
+# library:
 #   bindings/csharp/build.sh linux-x86_64|linux-arm64|windows-x86_64
 # FCL, libccd and libsodium are inside. Needs what cmake/install-deps.sh --with-cross installs.
 set -euo pipefail

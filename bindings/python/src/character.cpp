@@ -100,13 +100,13 @@ CharacterDef; others meet it as a kinematic body.
   c.def_property_readonly("footing", &footing_name,
                           "'ground', 'steep' or 'air', after the last walk()");
   c.def_property_readonly("ground", &ground_of,
-                          "what it stands on or slides down; None in the air");
+                          "the body that it stands on or slides down; None in the air");
   c.def_property_readonly(
       "ground_normal", [](const CharacterPart& p) { return array_of(p.character.ground_normal()); },
       "unit, world, of what it stands on or slides down");
   c.def_property_readonly(
       "velocity", [](const CharacterPart& p) { return array_of(p.character.velocity()); },
-      "m/s, world, what carries it included");
+      "m/s, world, including that of its ground");
   bind_life(c);
 }
 

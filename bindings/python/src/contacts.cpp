@@ -69,7 +69,7 @@ void bind_contacts(py::module_& m, SceneClass& scene) {
       .def_readonly("speed", &Impact::speed, "m/s, > 0")
       .def_readonly("impulse", &Impact::impulse, "N s");
   py::class_<Contacts>(m, "Contacts",
-                       "What touches: lists of pairs of bodies, one for each pair of shapes.")
+                       "Contacts: lists of pairs of bodies, one for each pair of shapes.")
       .def_readonly("begun", &Contacts::begun)
       .def_readonly("ended", &Contacts::ended, "Bodies that were removed end theirs.")
       .def_readonly("touching", &Contacts::touching)

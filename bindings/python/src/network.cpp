@@ -130,7 +130,7 @@ std::vector<net::HostPort> addresses(const std::vector<std::string>& texts) {
 }
 
 void bind_networks(py::module_& m) {
-  NetworkClass base(m, "Network", "What sessions go through: VirtualNetwork, Tcp or Udp.");
+  NetworkClass base(m, "Network", "The network of a session: VirtualNetwork, Tcp or Udp.");
   py::class_<Virtual, Network, std::shared_ptr<Virtual>>(m, "VirtualNetwork",
                                                          R"(Peers of one process, in virtual time.
 
@@ -152,7 +152,7 @@ passes but in advance(). Same seed and same calls, same deliveries.
           [](Virtual& v, double seconds) {
             v.network().advance_to(v.network().now() + duration(seconds, "seconds"));
           },
-          py::arg("seconds"), "Let so much time pass, and deliver what is due by then.")
+          py::arg("seconds"), "Let so much time pass, and deliver the packets due by then.")
       .def(
           "set_link",
           [](Virtual& v, PeerId from, PeerId to, const py::kwargs& given) {

@@ -111,7 +111,7 @@ std::optional<Hit> closest(Core& core, const py::object& point, double max_dista
 }  // namespace
 
 void bind_queries(py::module_& m, SceneClass& scene) {
-  py::class_<Hit>(m, "Hit", "What a query has met.")
+  py::class_<Hit>(m, "Hit", "A hit of a query.")
       .def_readonly("body", &Hit::body)
       .def_property_readonly(
           "point", [](const Hit& h) { return array_of(h.point); }, "m, world, on the body")

@@ -77,10 +77,10 @@ void detach(const Attachment& a) {
 
 void bind_ropes(py::module_& m) {
   py::class_<Attachment>(m, "Attachment",
-                         "What holds a particle on a body: Rope.attach(), Cloth.attach().")
+                         "Attachment of a particle to a body: Rope.attach(), Cloth.attach().")
       .def_property_readonly(
           "alive", [](const Attachment& a) { return block_of(a) != nullptr; }, "it still holds")
-      .def("remove", &detach, "Let go: what it held goes on as it moves.");
+      .def("remove", &detach, "Let go: the particle keeps its velocity.");
 
   py::class_<RopePart> c(m, "Rope", R"(A rope of point masses, each a body of the scene.
 

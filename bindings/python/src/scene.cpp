@@ -159,7 +159,7 @@ void restore(Core& core, const Snapshot& snapshot) {
 SceneClass bind_scene(py::module_& m) {
   bind_report(m);
   py::class_<Snapshot>(m, "Snapshot",
-                       "All that the next steps of a scene depend on: Scene.save().");
+                       "Everything that the next steps of a scene depend on: Scene.save().");
 
   SceneClass c(m, "Scene", R"(A world with its shapes and its solver.
 

@@ -142,7 +142,7 @@ ValueError: scene: /bodies/0/shape: Sphere.radius must be > 0 and at most 1e6 m,
   scene.def_property_readonly("joint_names", &joint_names, "of joints, likewise");
   scene.def_property_readonly(
       "warnings", [](Core& core) { return core.file().warnings; },
-      "what the scene's file has and the scene has not, with its place");
+      "parts of the scene's file that the scene lacks, with their places");
   scene.def("add_text", &add_text, py::arg("text"),
             R"(Add a body as the format has it in "bodies"; find() knows its name.
 

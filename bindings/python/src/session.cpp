@@ -143,7 +143,7 @@ std::optional<double> round_trip(const consensus::PeerStatus& status) {
 }
 
 void bind_values(py::module_& m) {
-  py::class_<Progress>(m, "Progress", "What Session.advance() did.")
+  py::class_<Progress>(m, "Progress", "Result of Session.advance().")
       .def_readonly("steps", &Progress::steps)
       .def_property_readonly(
           "status",
@@ -155,7 +155,7 @@ void bind_values(py::module_& m) {
       .def_readonly("skipped", &Progress::skipped, "ns of session time that were jumped over")
       .def_readonly("lag", &Progress::lag, "ns that the world is behind")
       .def_readonly("stepped_elsewhere", &Progress::stepped_elsewhere,
-                    "something else has stepped the scene since the last call");
+                    "other code has stepped the scene since the last call");
   py::class_<consensus::Event>(m, "Event", "A message of the application: untrusted.")
       .def_readonly("sender", &consensus::Event::from)
       .def_readonly("stamp", &consensus::Event::stamp, "session time when it was sent, ns")
@@ -285,10 +285,9 @@ one counts within a second.)")
            R"(Make the steps that are due at session time `now` (ns; None: now), without the GIL.
 
 before_step(now) is called before each of them: to move hands, push and read events. It waits for nothing.)")
-      .def(
-          "run", &Participant::run, py::arg("before_step") = py::none(),
-          py::arg("seconds") = py::none(),
-          "Go on at the clock's pace until stop(), for so many seconds or until it is interrupted.")
+      .def("run", &Participant::run, py::arg("before_step") = py::none(),
+           py::arg("seconds") = py::none(),
+           "Run at the clock's pace until stop(), for so many seconds or until it is interrupted.")
       .def("stop", &Participant::stop, "End run(), after the step at hand.")
       .def("send", &send, py::arg("topic"), py::arg("payload"), py::arg("to") = 0,
            R"(Send a message of the application, which comes once and in order.

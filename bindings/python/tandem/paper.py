@@ -33,7 +33,8 @@ import tandem
 
 DT = 1 / 60  # s
 Vector = tuple[float, float, float]
-#: What a user does before each step: called with seconds since the start, after reading the own copy.
+#: A user's act before each step: called with seconds since the start, after reading this peer's
+#copy.
 User = Callable[[float], None]
 
 # --- couplings -----------------------------------------------------------------------------------

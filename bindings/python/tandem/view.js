@@ -96,7 +96,7 @@ const buffer = (kind, data, usage = gl.STATIC_DRAW) => {
 };
 const INSTANCE = [[2, 3], [3, 4], [4, 3], [5, 4]];  // attribute, floats: place, turn, scale, colour
 const FLOATS = 14;
-/** What draws many of one geometry. */
+/** Draws many instances of one geometry. */
 function drawable({corners, normals, triangles}) {
   const array = gl.createVertexArray();
   gl.bindVertexArray(array);

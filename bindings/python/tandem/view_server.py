@@ -125,7 +125,7 @@ class Server(ThreadingHTTPServer):
 
     @contextmanager
     def answering(self, request: socket.socket) -> Iterator[None]:
-        """While it lasts this connection is not idle. For who knows the token: others always are."""
+        """While it lasts this connection is not idle, if the client knows the token."""
         with self._clients_lock:
             if request not in self._idle:
                 raise ConnectionAbortedError  # it has just made room

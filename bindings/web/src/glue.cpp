@@ -20,7 +20,7 @@ TANDEM_IMPORT("drop") void tandem_js_drop(uint32_t user, uint64_t peer, const ch
 
 namespace {
 
-/// What JavaScript is lent during one call, and gives back.
+/// Memory lent to JavaScript during one call.
 struct Inbox {
   tandem_receive receive;
   void* inbox;

@@ -2,7 +2,8 @@
 // Copyright (c) 2026 The Tandem authors
 //
 // Tandem in JavaScript: classes over tandem/c/tandem.h. Units are m, kg, s, N and rad; vectors are arrays
-// [x, y, z], quaternions [x, y, z, w]. What is wrong throws an Error that names field, value and rule.
+// [x, y, z], quaternions [x, y, z, w]. Wrong arguments throw an Error that names field, value and
+// rule.
 import * as layouts from './layout.js';
 
 /** Numbers of one body in World.states: position 3, orientation 4, linear and angular velocity 3 each. */
@@ -102,7 +103,7 @@ const imports = {
 /** Whatever the C++ library asks of a system: nothing that the engine does needs an answer. */
 const system = {get: (_, name) => {
   if (name === 'proc_exit') return () => { throw new Error('tandem: aborted'); };
-  // A write that takes nothing would be tried again for ever: EBADF, there is no such file.
+  // A write that takes nothing would be retried endlessly: EBADF, there is no such file.
   return () => (name === 'fd_write' ? 8 : 0);
 }};
 
@@ -137,7 +138,7 @@ export class Body {
     Object.assign(this, {world, at, index, generation, row: 0, colliders: []});
   }
   get state() { return this.world.states.subarray(this.row * STATE, (this.row + 1) * STATE); }
-  /** Of the centre of mass. */
+  /** Position of the centre of mass. */
   get position() { return this.state.subarray(0, 3); }
   get orientation() { return this.state.subarray(3, 7); }
   get linearVelocity() { return this.state.subarray(7, 10); }
@@ -344,7 +345,7 @@ export class World {
       return bytesAt(buffer, room).slice();
     });
   }
-  /** Of a world that was built the same way. */
+  /** Restores a snapshot of a world that was built the same way. */
   restore(bytes) {
     borrow((a) => check(c.tandem_world_restore(this.at, numbers(a, bytes, Uint8Array), bytes.length, error)));
     this.refresh();
@@ -430,12 +431,12 @@ export class Transport {
     if (gone > 0) this.inbox.splice(0, gone);
     this.lost += gone;
   }
-  /** What has come, once. */
+  /** Received packets, each once. */
   take() {
     this.inboxBytes = 0;
     return this.inbox.splice(0);
   }
-  /** What `send` throws must not cross the module, which could not put its own things in order: it is told later. */
+  /** An exception of `send` must not pass through the module: it is thrown later. */
   post(to, bytes, reliable) {
     try {
       return this.send(to, bytes, reliable) === false ? 0 : 1;
