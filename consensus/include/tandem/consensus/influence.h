@@ -23,7 +23,7 @@ TANDEM_API double share_of_weight(double weight);
 /// of twice the length. 1 for s >= 1 and 0 for s <= 0, for any dt >= 0.
 TANDEM_API double share_per_step(double share, double dt);
 
-/// What a peer announces for its bodies, and how long remote states count here.
+/// Shares that a peer announces for its bodies, and the age up to which remote states count here.
 struct TANDEM_API InfluenceOptions {
   /// Announced for bodies without an owner. [friston] Sec. 6.3 uses 0.05 to 0.10 and finds bodies
   /// sluggish above about 0.2 (Sec. 7.12).
@@ -44,7 +44,7 @@ struct TANDEM_API InfluenceOptions {
   void validate() const;
 };
 
-/// What a peer announces for a body without an owner, once its authority has ramped up fully.
+/// Share that a peer announces for a body without an owner, once its authority has ramped up fully.
 /// @param held_alone  its user holds the body by a constraint that no other peer simulates
 /// @param leads       its user was the last to act on the body, and the only one
 TANDEM_API double announced_share(const InfluenceOptions& options, bool held_alone, bool leads);

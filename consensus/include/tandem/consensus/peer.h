@@ -92,8 +92,8 @@ struct TANDEM_API PeerOptions {
   PredictorKind predictor = PredictorKind::Replay;
   ReplayOptions replay = {};
   PredictorOptions prediction = {};
-  /// An application's predictor in place of `predictor`; null = none. If its result is not finite,
-  /// the state is used as stamped. Peers of a session may differ.
+  /// An application's predictor, used instead of `predictor`; null = none. If its result is not
+  /// finite, the state is used as stamped. Peers of a session may differ.
   std::shared_ptr<const Predictor> own_predictor = nullptr;
   /// How far other peers are believed.
   RobustOptions robust = {};
@@ -171,7 +171,7 @@ struct TANDEM_API ActDef {
   std::uint64_t name = 0;
 };
 
-/// What was sent to one peer.
+/// Traffic to one peer.
 struct TANDEM_API LinkStats {
   PeerId to = 0;
   std::uint64_t bytes = 0;      ///< of packets with states and indices
@@ -212,7 +212,7 @@ struct TANDEM_API EstimateEvent {
   const MotionHistory& own;
   const PredictionContext& context;
   const Prediction& prediction;
-  /// m, world: estimated position now. If the state is replayed, the own position plus the
+  /// m, world: estimated position now. If the state is replayed, the local position plus the
   /// difference of both at the stamp.
   pbd::Vec3 position;
   double age = 0.0;  ///< s, from the sender's stamp

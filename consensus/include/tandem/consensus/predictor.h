@@ -34,8 +34,8 @@ enum class PredictorKind : std::uint8_t {
   None,   ///< the state as stamped
   Euler,  ///< extrapolated by its velocity, [friston] Eq. 3
   /// Not extrapolated: the mean of all states is taken at their stamps and replayed to now by the
-  /// own physics, see ReplayOptions. Euler if the world cannot be copied, and for bodies moved by a
-  /// hand that only its own peer knows; owners' states, which answer to nobody, with their
+  /// local physics, see ReplayOptions. Euler if the world cannot be copied, and for bodies moved by
+  /// a hand that only its own peer knows; owners' states, which answer to nobody, with their
   /// acceleration too, [friston] Sec. 3.3.
   Replay,
 };
@@ -66,7 +66,7 @@ struct TANDEM_API Prediction : pbd::Correction {
   pbd::TargetMotion motion = pbd::TargetMotion::WithBody;
 };
 
-/// What a predictor may use besides the update and the own history.
+/// Further input of a predictor, besides the update and the local history.
 struct TANDEM_API PredictionContext {
   SessionTime now = 0;
   pbd::Vec3 gravity = pbd::Vec3::Zero();  ///< m/s^2, on this body

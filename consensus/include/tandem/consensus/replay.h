@@ -12,11 +12,11 @@ namespace tandem::consensus {
 
 /// Which hands a replay knows: trades feel against agreement, docs/method.md Sec. 8.
 enum class ReplayInputs : std::uint8_t {
-  /// The own hand as it truly was until now: what this user holds feels as if alone, and copies of
-  /// a body that two users hold are further apart.
+  /// The local hand as it truly was until now: a held body feels as if alone, and copies of a body
+  /// that two users hold are further apart.
   Known,
-  /// All hands, the own one too, up to the stamp and extrapolated alike: peers get the same target,
-  /// and what a user holds lags the hand.
+  /// All hands, the local one too, up to the stamp and extrapolated alike: peers get the same
+  /// target, and a held body lags the hand.
   Common,
 };
 

@@ -12,7 +12,7 @@ namespace tandem::consensus {
 /// How far an authenticated member is believed. docs/protocol.md says what it can still do; of two
 /// peers that disagree neither can be shown to lie.
 struct TANDEM_API RobustOptions {
-  /// With two or more other peers, states far from the rest count less, the own copy being one
+  /// With two or more other peers, states far from the rest count less, the local copy being one
   /// vote, and no peer counts more than the next one. So among three or more one dissenter,
   /// whatever it claims, moves a body no further than the others are apart. If a peer leads a body
   /// with good reason, only leaders count, or nobody could move anything. Needs a full mesh: a peer

@@ -14,7 +14,7 @@
 
 namespace tandem::consensus {
 
-/// Arrival of a packet by the own clock, and the round trip to its sender, ns.
+/// Arrival of a packet by the local clock, and the round trip to its sender, ns.
 struct TANDEM_API Arrival {
   SessionTime received = 0;
   SessionTime round_trip = -1;  ///< -1: not known

@@ -26,7 +26,7 @@ enum class Delivery : std::uint8_t {
   Reliable,  ///< constraints and membership: in order, resent by the transport if it can
 };
 
-/// What the other peers accept from a member: each role includes those above it.
+/// Packets that the other peers accept from a member: each role includes those above it.
 enum class Role : std::uint8_t {
   Watch,  ///< receives; its own states and springs are ignored
   Act,    ///< also pulls at bodies by springs, which all simulate; its states are ignored

@@ -33,7 +33,7 @@ class TANDEM_API SessionClock {
   using Source = std::function<SessionTime()>;
 
   SessionClock();
-  /// Reads `source` in place of the system clock. Throws std::invalid_argument if it is empty.
+  /// Reads `source` instead of the system clock. Throws std::invalid_argument if it is empty.
   explicit SessionClock(Source source);
 
   SessionTime now();

@@ -18,7 +18,7 @@ namespace tandem::net {
 using consensus::Role;
 
 // Identities in a session. A peer's identity is an X25519 key pair. An organiser's is an Ed25519
-// key pair, whose secret is 32 bytes as well (make_key()); the organiser need not be connected. All
+// key pair, whose secret also has 32 bytes (make_key()); the organiser need not be connected. All
 // but is_derived() throw std::runtime_error in builds without libsodium.
 
 /// For people to compare: 16 hex digits in groups of four.

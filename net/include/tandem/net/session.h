@@ -26,9 +26,9 @@ TANDEM_API HostPort parse_host_port(std::string_view text);
 TANDEM_API std::string to_string(const HostPort& address);
 
 /// Turns the first SIGINT or SIGTERM into a flag, so that a program can leave its session in order;
-/// on Windows Ctrl+Break, closing the console, logging off and shutting down as well. Windows ends
-/// the process 5 s after the last three.
-/// The second one ends the process as usual. At most one object at a time.
+/// on Windows Ctrl+Break, and also closing the console, logging off and shutting down. Windows ends
+/// the process 5 s after the last three. The second one ends the process as usual. At most one
+/// object at a time.
 /// @par Thread safety  requested, request, wait: from any thread.
 class TANDEM_API StopSignal {
  public:

@@ -94,8 +94,8 @@ struct TANDEM_API StrangerStatus {
 };
 
 /// Full mesh over TCP: every process accepts and dials, learns the others' addresses from any peer
-/// that it is connected to, keeps exactly one connection to each, and redials with back-off for
-/// ever.
+/// that it is connected to, keeps exactly one connection to each, and redials with back-off,
+/// without a limit.
 ///
 /// - Frames carry a length prefix, checked before anything is allocated or kept.
 /// - Newest: a full queue drops the oldest state, counted in dropped_queue_full.

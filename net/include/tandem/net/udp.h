@@ -98,9 +98,9 @@ struct TANDEM_API UdpRelayed {
 /// - Newest: one packet each, at most max_packet_bytes(): initially 1154, then as much as the paths
 /// to all peers were found to carry, less 46; post() refuses longer ones. Sent within the budget;
 /// after 200 ms of waiting a state is dropped.
-/// - Reliable: in order, in pieces, resent until acknowledged, delivered once. What a broken
-/// connection had not delivered continues when the same process comes back; a restarted process
-/// starts empty.
+/// - Reliable: in order, in pieces, resent until acknowledged, delivered once. Messages that a
+/// broken connection had not delivered continue when the same process comes back; a restarted
+/// process starts empty.
 /// - Members exchange the addresses of third peers: one known address is enough. Peers without a
 /// route to each other go through one that has both.
 ///

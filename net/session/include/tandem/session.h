@@ -26,8 +26,8 @@ using consensus::PeerId;
 using consensus::SessionTime;
 using consensus::SharedId;
 
-/// What a session steps: a Scene (or any type with its world() and step()), or a world and its
-/// solver. They must outlive the session and not be moved.
+/// The simulation that a session steps: a Scene (or any type with its world() and step()), or a
+/// world and its solver. They must outlive the session and not be moved.
 struct TANDEM_API Simulation {
   template <class Scene>
   requires requires(Scene& scene) {
@@ -53,7 +53,7 @@ struct TANDEM_API SpawnOptions {
   /// Makes the body that `what` describes, which comes from another member (untrusted) or from
   /// spawn(). The session sets its pose and twist. For an unknown `what` it returns BodyId{} or
   /// throws std::invalid_argument. Any other exception leaves advance(); that body is not made
-  /// here, and the session goes on with the next one.
+  /// here, and the session continues with the next one.
   std::function<pbd::BodyId(std::string_view what)> make = {};
   /// Removes a body from the scene; it is no longer shared.
   std::function<void(pbd::BodyId)> remove = {};

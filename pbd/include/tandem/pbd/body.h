@@ -103,7 +103,7 @@ struct TANDEM_API BodyProps {
   Vec3 origin = Vec3::Zero();  ///< m, body frame: see BodyDef::origin
 };
 
-/// What the solver remembers of a body from step to step; zeros for one that has never moved.
+/// State of a body that the solver keeps from step to step; zeros for one that has never moved.
 struct TANDEM_API BodyActivity {
   bool asleep = false;
   std::uint8_t level = 0;  ///< refinement level: the island's substeps are doubled this often

@@ -78,7 +78,7 @@ struct GroupFacts {
   bool at_once = false;  ///< other groups are solved at the same time, by other workers
 };
 
-/// What a block is told about the substep.
+/// The substep, as a block sees it.
 struct TANDEM_API SubstepContext {
   /// By slot. Immovable bodies are filled in only if a block names them in append_edges() or
   /// append_idle(); the others are zeros.
@@ -113,7 +113,7 @@ struct TANDEM_API SubstepContext {
   std::span<const std::uint8_t> displaced = {};
 };
 
-/// What a block reports after a step.
+/// Report of a block after a step.
 struct TANDEM_API BlockReport {
   std::string_view name = {};
   int rows = 0;
@@ -207,7 +207,7 @@ class TANDEM_API ConstraintBlock {
 
   /// Append an edge for each active row, naming every body that it reads or moves.
   virtual void append_edges(std::vector<ConstraintEdge>& /*edges*/) const {}
-  /// Append edges of inactive rows whose bodies the block's verbs read all the same.
+  /// Append edges of inactive rows whose bodies the block's functions still read.
   virtual void append_idle(std::vector<ConstraintEdge>& /*edges*/) const {}
   /// Append the bodies that rows join to this body. Called for each body that is set or removed.
   /// This default looks at all rows, which makes clearing a heap quadratic: override it for large

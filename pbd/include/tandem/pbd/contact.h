@@ -29,8 +29,8 @@ struct TANDEM_API ContactOptions {
   /// times what gravity adds in a substep. A gap that closes no faster than that is not an
   /// approach.
   /// Unconverged contacts rock stacks: a tower of ten cubes of 10 cm, each a few millimetres off
-  /// the one below, swayed by 2 mm for ever at 0.01, and walked by 3 cm in 30 s.
-  /// Propagating impacts may take a sixth as well. BlockReport tells the rows solved and left.
+  /// the one below, swayed by 2 mm without end at 0.01, and walked by 3 cm in 30 s. Propagating
+  /// impacts may take another sixth. BlockReport tells the rows solved and left.
   int extra_rows = 24000;
   double resting_tolerance = 0.001;
   /// Impacts slower than this many times what gravity adds in a substep do not bounce. Gravity

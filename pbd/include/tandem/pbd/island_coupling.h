@@ -9,7 +9,7 @@
 
 namespace tandem::pbd {
 
-/// What one world knows of an island.
+/// One world's knowledge of an island.
 struct TANDEM_API IslandPart {
   bool awake = false;
   bool held = false;            ///< rests on or is joined to something immovable

@@ -39,7 +39,7 @@ class TANDEM_API JointCoupling {
     bool enabled = true;
   };
 
-  /// Couples two joints as they are; if one of them is removed, remove the coupling as well.
+  /// Couples two joints as they are; if one of them is removed, remove the coupling too.
   /// @throws std::invalid_argument  if one of them is neither a hinge nor a slider
   static Def between(const JointBlock& joints, JointId one, JointId two, double ratio,
                      double offset = 0.0);

@@ -121,8 +121,8 @@ struct TANDEM_API SixDofJointDef {
   bool collide_connected = true;
 };
 
-// Short forms. Their first fields are the same in all; compliances and dampings belong to what the
-// joint locks or stops.
+// Short forms. Their first fields are the same in all; compliances and dampings belong to the
+// coordinates that the joint locks or stops.
 
 /// Fixes b to a: no freedom.
 struct TANDEM_API FixedJointDef {

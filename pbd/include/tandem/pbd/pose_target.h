@@ -40,7 +40,7 @@ struct TANDEM_API PoseTarget {
   bool use_rotation_error = false;
 };
 
-/// What agreement did to one body in the last step.
+/// Effect of agreement on one body in the last step.
 struct TANDEM_API Correction {
   Vec3 translation = Vec3::Zero();  ///< m, world: sum over the displacement channel
   Vec3 rotation = Vec3::Zero();     ///< rad, world, rotation vector

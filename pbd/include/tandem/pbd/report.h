@@ -26,7 +26,7 @@ enum class StepStatus : std::uint8_t {
   InvalidStep,  ///< dt is not finite or below kShortestStep: nothing was done
 };
 
-/// What agreement did to the energy of the world in one step, J.
+/// Effect of agreement on the energy of the world in one step, J.
 struct TANDEM_API ConsensusEnergy {
   double displacement = 0.0;        ///< kinetic, carried by the displacement channel; must be 0
   double velocity_agreement = 0.0;  ///< change of kinetic energy by blending velocities

@@ -75,7 +75,7 @@ class TANDEM_API Solver {
   ///   status is StepStatus::InvalidStep
   const StepReport& step(World& world, double dt) noexcept;
 
-  /// What the last step ran and skipped; see describe(const StepReport&).
+  /// Stages that the last step ran and skipped; see describe(const StepReport&).
   std::string describe() const;
 
  private:

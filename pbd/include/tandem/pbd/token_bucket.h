@@ -7,9 +7,9 @@
 
 namespace tandem::pbd {
 
-/// Rate limit for what one member may make others do: so much a second, with a burst after a quiet
-/// time. A token bucket that may go below zero, so that costs known only afterwards can be charged.
-/// Times in ns, of any clock; a clock that goes back adds nothing.
+/// Rate limit for the work that one member may cause at others: an amount per second, with a burst
+/// after a quiet time. A token bucket that may go below zero, so that costs known only afterwards
+/// can be charged. Times in ns, of any clock; a clock that goes back adds nothing.
 class TokenBucket {
  public:
   /// s: a sender that exceeds its rate for longer than this is abusive, not just in a hurry.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Checks of input at the public edge of all libraries, and their error messages: what is wrong,
-// what it must be, and what it is.
+// Checks of input at the public edge of all libraries, and their error messages: field, rule and
+// value.
 #pragma once
 
 #include <string>

@@ -195,7 +195,7 @@ class TANDEM_API World {
     body_log_.outdate();
   }
 
-  /// What agreement did to a body in the last step; zeros if nothing was shared.
+  /// Effect of agreement on a body in the last step; zeros if nothing was shared.
   Correction correction(BodyId id) const;
   /// Whether the body had a contact force in the last step.
   bool in_contact(BodyId id) const;

@@ -58,7 +58,7 @@ struct TANDEM_API HubStatus {
 };
 
 /// A connection to a NATS server, for any number of transports of this process. It connects by
-/// itself, and reconnects for ever.
+/// itself, and reconnects without a limit.
 /// @par Thread safety  Any thread.
 class TANDEM_API NatsHub {
  public:
