@@ -61,8 +61,8 @@ if [[ $platform == windows ]]; then
   trap 'wineserver -k || true' EXIT
   wine wineboot --init </dev/null >build/wine.log 2>&1
 fi
-# What happens in wall time fails where the machine stalls: there is a second try for it, which shows
-# in what ctest prints, and for nothing else.
+# Tests in wall time fail if the machine stalls: they get a second try, which shows in what ctest
+# prints, and for nothing else.
 status=0
 ctest --preset "$preset" -LE wall_time "$@" || status=1
 ctest --preset "$preset" -L wall_time --repeat until-pass:2 "$@" || status=1

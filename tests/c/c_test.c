@@ -213,7 +213,7 @@ static void sensor_tells_who_visits(void) {
 
 enum { kWatched = 40 };
 
-/* What begins, ends and touches after each of the next steps. */
+/* Contacts that begin, end and last after each of the next steps. */
 static void watch(tandem_world* world, size_t seen[kWatched]) {
   for (int i = 0; i < kWatched; ++i) {
     CHECK(tandem_world_step(world, kStep, NULL, NULL) == TANDEM_OK);
@@ -223,7 +223,7 @@ static void watch(tandem_world* world, size_t seen[kWatched]) {
   }
 }
 
-/* What went back in time tells what happens as it told it before. */
+/* A restored world reports the same events again. */
 static void snapshot_brings_its_events_back(void) {
   tandem_world* world = make_world(1);
   const tandem_body ground = add_body(world, TANDEM_STATIC, 0.0, 0.0);

@@ -91,7 +91,7 @@ static void a_character_stands_walks_and_jumps(void) {
   tandem_world_destroy(world);
 }
 
-/* What the wheels turn by is the way, and their speed is top_speed. */
+/* The wheels' rotation gives the distance, and their speed is top_speed. */
 static void a_car_rolls_as_far_as_its_wheels_turn(void) {
   tandem_body ground;
   tandem_world* world = world_with_ground(&ground);

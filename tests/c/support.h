@@ -54,13 +54,13 @@ static inline tandem_collider add_shape(tandem_world* world, tandem_body body,
   return collider;
 }
 
-/* What is in parts.c. */
+/* Tests in parts.c. */
 void parts_move(void);
-/* What is in refusals.c. */
+/* Tests in refusals.c. */
 void what_is_wrong_is_refused(void);
-/* What is in queries.c. */
+/* Tests in queries.c. */
 void queries_find(void);
-/* What is in sessions.c. */
+/* Tests in sessions.c. */
 void peers_share(void);
 
 #endif

@@ -124,7 +124,7 @@ static void gltf_is_turned_upright(void) {
   CHECK(strstr(error.text, "tandem_scene_format") != NULL && strstr(error.text, "17") != NULL);
 }
 
-/* What is written is read as the same bits of motion, names included. */
+/* A written file is read with the same bits of motion, and with its names. */
 static void what_is_written_is_read_again(void) {
   tandem_scene_file *first = NULL, *second = NULL;
   tandem_error error;

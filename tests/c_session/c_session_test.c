@@ -139,7 +139,7 @@ static void two_members_agree(void) {
   end(&s);
 }
 
-/* What one spawns stands at both, is kicked at both, and goes at both. */
+/* A body spawned by one member exists, is kicked, and is removed at both. */
 static void what_one_spawns_is_everybodys(void) {
   scene s;
   const tandem_pose there = {{2.0, 0, 0}, {0, 0, 0, 1}};

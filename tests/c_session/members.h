@@ -27,9 +27,9 @@ static inline double place_of(const tandem_world* world, tandem_body body) {
 
 static inline double place(const room* r) { return place_of(r->world, r->body); }
 
-/* What is in refusals.c. */
+/* Tests in refusals.c. */
 void wrong_sessions_are_refused(void);
-/* What is in sockets.c. */
+/* Tests in sockets.c. */
 void sessions_over_sockets(void);
 
 #endif

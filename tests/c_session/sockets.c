@@ -90,7 +90,7 @@ static void a_pulled_cube_is_where_the_hand_is(members* m) {
   CHECK(stats.peer.updates_received > 60 && stats.peer.packets_rejected == 0);
 }
 
-/* Who is destroyed has said so: the other sees it at once, long before its patience ends. */
+/* A destroyed session announces that it leaves: the other sees it long before the idle timeout. */
 static void who_goes_says_goodbye(members* m) {
   tandem_session_destroy(m->sessions[0]);
   m->sessions[0] = NULL;
@@ -189,7 +189,7 @@ static void over_udp_with_keys(void) {
   end(&m);
 }
 
-/* What a build without libsodium says of keys and of UDP. */
+/* Errors of a build without libsodium about keys and UDP. */
 static void says_that_there_is_no_udp(void) {
   tandem_error error;
   tandem_key key = {{0}};

@@ -55,7 +55,8 @@ struct Stage : Fixture {
 
 }  // namespace
 
-TEST_CASE("contact_events: what comes to rest begins once and stays", "[collision][events]") {
+TEST_CASE("contact_events: a body that comes to rest begins once and stays",
+          "[collision][events]") {
   const auto ground = GENERATE(0, 1);
   Stage s;
   if (ground == 0) {
@@ -128,7 +129,7 @@ TEST_CASE("contact_events: a removed collider, a removed body and a filter end t
   CHECK(s.begun == 3);
 }
 
-TEST_CASE("contact_events: a sensor tells who comes and goes, exactly", "[collision][events]") {
+TEST_CASE("contact_events: a sensor reports entries and exits exactly", "[collision][events]") {
   Stage s;
   s.world.set_gravity(Vec3::Zero());
   const ColliderId zone = s.sensor(Box{Vec3::Constant(1.0)}, at(0, 0, 0));

@@ -244,7 +244,7 @@ TEST_CASE("convex: a hull holds all its points and is closed", "[collision][unit
   }
 }
 
-TEST_CASE("convex: what makes no hull or no field is refused by name", "[collision][fault]") {
+TEST_CASE("convex: invalid points and heights are refused by name", "[collision][fault]") {
   const auto hull = [](std::vector<Vec3> points) { return ConvexHull::make(points); };
   CHECK_THROWS_WITH(hull({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}),
                     Contains("points must be") && Contains("is 3"));

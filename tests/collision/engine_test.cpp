@@ -215,8 +215,8 @@ TEST_CASE("engine: vanishing shares leave a sliding box and a stack as they are"
     const auto with = run(share);
     for (std::size_t i = 0; i < without.size(); ++i) {
       INFO("share " << share << ", body " << i);
-      // What is within the slop of overlaps, 8.5 um, may be opened in another sweep, and each gap
-      // of 1.7 um is as good as none.
+      // Overlaps within the slop, 8.5 um, may be opened in another sweep, and each gap of 1.7 um is
+      // as good as none.
       CHECK((with[i] - without[i]).norm() < 3e-5);
     }
   }
@@ -260,7 +260,7 @@ TEST_CASE("engine: a locked body is not thrown by what it cannot follow", "[coll
   }
 }
 
-/// What a step solves, in rows, from its report.
+/// Rows solved in a step, from its report.
 double rows_solved(const pbd::StepReport& report, int substeps) {
   const pbd::BlockReport& contacts = report.blocks.at(0);
   return static_cast<double>(contacts.rows) * substeps + contacts.refined_rows +

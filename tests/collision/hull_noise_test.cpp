@@ -82,7 +82,7 @@ TEST_CASE("hull: of too many corners as many are kept as may be, and the error i
   for (const Vec3& corner : hull->points()) {
     CHECK(std::find(points.begin(), points.end(), corner) != points.end());
   }
-  // What needs no simplifying has none, to the bit.
+  // A hull that needs no simplification is unchanged, to the bit.
   const std::vector<Vec3> few = sphere(100);
   const auto same = ConvexHull::simplify(few).hull;
   const auto made = ConvexHull::make(few);

@@ -147,7 +147,7 @@ TEST_CASE("hull rest: scanned boxes and tins lie still", "[collision][property]"
   }
 }
 
-// Of the many corners on which one lies four bear, and the others sink if nobody looks at them.
+// A hull lies on many corners, of which four bear; the others would sink unnoticed.
 TEST_CASE("hull rest: parcels whose faces are scanned at many points lie still",
           "[collision][property]") {
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
@@ -161,7 +161,7 @@ TEST_CASE("hull rest: parcels whose faces are scanned at many points lie still",
 }
 
 // The face that lies most nearly on the ground need not have the corner that gets there first.
-TEST_CASE("hull rest: what falls is stopped by its foremost corner", "[collision][property]") {
+TEST_CASE("hull rest: a falling hull is stopped by its foremost corner", "[collision][property]") {
   constexpr double kSize = 0.4;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Random random(seed);

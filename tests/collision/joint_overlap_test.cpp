@@ -66,7 +66,7 @@ TEST_CASE("joint: limbs on ball joints that overlap at first get no speed from i
     CHECK(solver.step(world, 1.0 / 60.0).status == StepStatus::Ok);
     most = std::max(most, world.kinetic_energy());
   }
-  // What closes with velocity, 2 mm at 20/s, is 0.04 m/s.
+  // The part that closes with velocity, 2 mm at 20/s, is 0.04 m/s.
   CHECK(most < 0.5 * 37.2 * 0.04 * 0.04);
 }
 

@@ -105,7 +105,7 @@ struct Scene {
     for (int i = 0; i < count; ++i) step();
   }
 
-  /// What the next step depends on besides the state: all that can be pending.
+  /// Input of the next step besides the state: everything that can be pending.
   void leave_pending() {
     world.set_kinematic_target(lift, at(0.0, 5.0, 0.55));
     world.apply_force(ids[2], Vec3(3.0, 1.0, 20.0), world.pose(ids[2]).position + Vec3(0, 0.1, 0));
@@ -182,7 +182,7 @@ std::vector<std::byte> readings(const Scene& s) {
   return bytes;
 }
 
-/// What the last step and the events after it said.
+/// Report of the last step and the events after it.
 std::vector<std::byte> announcements(const Scene& s) {
   std::vector<std::byte> bytes;
   ByteWriter out(bytes);

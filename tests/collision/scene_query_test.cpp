@@ -295,7 +295,7 @@ TEST_CASE("scene_query: overlap and nearest points agree with sampling", "[colli
       const ColliderId holder = f.holder(p);
       if (holder.valid()) REQUIRE(std::binary_search(found.begin(), found.end(), holder));
     }
-    // What overlaps is at no distance, and the others are apart by a plane.
+    // Overlapping pairs have distance 0, and a plane separates the others.
     for (std::uint32_t c = 0; c < f.scene.slot_count(); ++c) {
       const ColliderId id = f.scene.collider_at(c);
       const auto near = query.closest_on(id, box, pose, 100.0);

@@ -92,7 +92,7 @@ TEST_CASE("shape: a closed mesh weighs what the solid weighs, wherever it lies",
   CHECK(close(far.inertia, solid.inertia, 1e-8));
 }
 
-TEST_CASE("shape: what has no volume has no mass", "[collision][fault]") {
+TEST_CASE("shape: shapes without volume have no mass", "[collision][fault]") {
   CHECK_THROWS_WITH(mass_properties(HalfSpace{}, 1.0), Contains("finite volume"));
   CHECK_THROWS_WITH(mass_properties(flat_mesh(1.0, 1), 1.0), Contains("closed mesh"));
   CHECK_THROWS_WITH(mass_properties(Sphere{1.0}, 0.0), Contains("density") && Contains("> 0"));

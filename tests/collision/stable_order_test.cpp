@@ -259,7 +259,7 @@ TEST_CASE("order: a stable id finds its body and comes back with a snapshot", "[
   CHECK(world.find(17) == c);
   CHECK_FALSE(world.find(1).valid());
   CHECK(world.props(b).stable_id == std::nullopt);
-  // Those with an id first, by id; then the others.
+  // Bodies with an id first, by id; then the others.
   CHECK(world.order().slot(0) == c.index);
   CHECK(world.order().slot(1) == a.index);
   CHECK(world.order().rank(b.index) == 2);

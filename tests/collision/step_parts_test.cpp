@@ -70,7 +70,7 @@ TEST_CASE("parts: free bodies run neither rows nor rotation", "[collision][unit]
   world.set_twist(world.body_at(2), {Vec3::Zero(), Vec3(0, 0, 1)});
   CHECK(solver.step(world, kDt).turning == 1);
   CHECK(report.parts.rotation);
-  // A torque and a joint may turn as well.
+  // A torque and a joint may turn it too.
   world.apply_torque(world.body_at(0), Vec3(0.1, 0, 0));
   auto& joints = world.add_block<JointBlock>();
   joints.add(world, ball_joint_at(world, world.body_at(3), world.body_at(4), Vec3(3.5, 0, 0)));
@@ -141,7 +141,7 @@ TEST_CASE("parts: friction and restitution are named where a contact has them",
   }
 }
 
-TEST_CASE("parts: targets, and only they, bring the total channel and the clean-up",
+TEST_CASE("parts: targets, and only they, run the displacement channel and the clean-up",
           "[collision][unit]") {
   Fixture f;
   const auto ids = rain(f, Box{Vec3::Constant(0.2)}, {}, 3);

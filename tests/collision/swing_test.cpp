@@ -116,7 +116,7 @@ TEST_CASE("swing: on its way to where a sweep stops it a body is apart from the 
   CHECK(met > 50);
 }
 
-TEST_CASE("swing: what hangs on a hinge goes round it within the step", "[collision][analytic]") {
+TEST_CASE("swing: a body on a hinge moves on its circle within the step", "[collision][analytic]") {
   Random random(4);
   for (int i = 0; i < 100; ++i) {
     const Vec3 hinge = random.vec(2.0);

@@ -85,7 +85,7 @@ struct Scene {
   }
 };
 
-/// What a caller does to a world from step to step.
+/// A caller's changes to a world from step to step.
 void step(World& world, Solver& solver, const Scene& names, int i) {
   const double height = 0.5 + 0.3 * std::sin(0.05 * i);
   world.set_kinematic_target(names.lift, at(0, 12, height));

@@ -74,7 +74,7 @@ std::vector<Vec3> places(const Site& site) {
   return out;
 }
 
-/// What the last peer does, and where it leads without others.
+/// Acts of the last peer, and their result without others.
 struct Deed {
   const char* name;
   void (*build)(Site& site);
@@ -144,7 +144,7 @@ Course run(const Deed& deed, int peers, int profile) {
   return course;
 }
 
-TEST_CASE("acts: what one peer does goes as it would alone, and at all others", "[consensus]") {
+TEST_CASE("acts: one peer's act has its full effect there and at all others", "[consensus]") {
   for (const Deed& deed : kDeeds) {
     const Course alone = run(deed, 1, 1);
     for (const int peers : {2, 3, 6}) {
@@ -178,7 +178,7 @@ TEST_CASE("acts: what one peer does goes as it would alone, and at all others", 
   }
 }
 
-TEST_CASE("acts: two who kick at about the same time add", "[consensus]") {
+TEST_CASE("acts: two kicks at about the same time add", "[consensus]") {
   for (const int peers : {2, 3, 6}) {
     for (const int profile : {1, 3, 5}) {
       for (const double later : {0.0, 0.05, 0.15, 0.4}) {
@@ -197,7 +197,7 @@ TEST_CASE("acts: two who kick at about the same time add", "[consensus]") {
   }
 }
 
-TEST_CASE("acts: two who push for half a second add", "[consensus]") {
+TEST_CASE("acts: two pushes of half a second add", "[consensus]") {
   for (const int peers : {2, 3}) {
     const auto session = settled(peers, 5, free_ball, kWeightless);
     for (Site* site : {&(*session)[0], session->sites.back().get()}) {
@@ -213,7 +213,7 @@ TEST_CASE("acts: two who push for half a second add", "[consensus]") {
   }
 }
 
-TEST_CASE("acts: what all do under one name is done once within a second", "[consensus]") {
+TEST_CASE("acts: acts of all under one name count once within a second", "[consensus]") {
   for (const int peers : {2, 3, 6}) {
     for (const int profile : {1, 5}) {
       const auto session = settled(peers, profile, free_ball, kWeightless);
@@ -294,7 +294,7 @@ TEST_CASE("acts: a kick counts once, whenever in a step it comes", "[consensus]"
   }
 }
 
-TEST_CASE("acts: of two who put a body somewhere at once all take one", "[consensus]") {
+TEST_CASE("acts: if two place a body at the same time, all take the same place", "[consensus]") {
   const auto session = settled(3, 3);
   (*session)[0].peer->act({.body = kBody, .pose = Pose{{-3.0, 0.0, 0.1}, Quat::Identity()}});
   (*session)[2].peer->act({.body = kBody, .pose = Pose{{3.0, 0.0, 0.1}, Quat::Identity()}});
@@ -319,7 +319,7 @@ TEST_CASE("acts: an owner's act needs no telling, and nobody else's is allowed",
   CHECK(session[1].peer->stats().acts_refused == 0);
 }
 
-TEST_CASE("acts: what makes no sense is refused by name", "[consensus][unit]") {
+TEST_CASE("acts: invalid acts are refused by name", "[consensus][unit]") {
   Session session;
   Site& site = session.add(1, 0.0);
   site.share(ball(Vec3::Zero()));
@@ -344,7 +344,8 @@ TEST_CASE("acts: what makes no sense is refused by name", "[consensus][unit]") {
                     Catch::Matchers::Contains("must be a dynamic one"));
 }
 
-TEST_CASE("acts: who says too much makes nothing faster than hands do", "[consensus][fault]") {
+TEST_CASE("acts: a peer that sends too many makes nothing faster than hands do",
+          "[consensus][fault]") {
   StubTransport transport(1);
   Site site(transport, {}, kWeightless);
   site.share(ball(Vec3::Zero()));

@@ -69,7 +69,7 @@ TEST_CASE("aggregate: peers too far apart to be averaged: the heaviest decides t
   const double x = (1.0 / 9.0 + 2.0 * 0.25) / (2.0 / 9.0 + 0.25);
   CHECK(target.pose.position.x() == Approx(x).epsilon(1e-14));
 
-  // Of equals the lowest peer decides.
+  // Among equals the lowest peer decides.
   estimates[2].share = 0.1;
   REQUIRE(fuse(local, estimates, target));
   CHECK(target.rotation_error.z() < 0.0);

@@ -26,7 +26,7 @@ inline double angle_between(const Quat& a, const Quat& b) {
   return 2.0 * std::atan2(d.vec().norm(), std::abs(d.w()));
 }
 
-/// Where the target sends the local orientation.
+/// Image of the local orientation under the target.
 inline Quat applied(const pbd::Pose& local, const pbd::PoseTarget& target) {
   return turned(target.share * target.rotation_error) * local.orientation;
 }

@@ -142,7 +142,7 @@ double drift(std::size_t honest, bool same_to_all, Dice& dice, double& spread) {
   return apart(centre(x), start);
 }
 
-TEST_CASE("centrality: whoever says the worst to peers that agree does not move them far",
+TEST_CASE("centrality: the worst state of one peer does not move others that agree far",
           "[consensus]") {
   Dice dice(13);
   for (const std::size_t honest : {2u, 3u, 5u}) {

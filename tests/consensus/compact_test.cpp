@@ -46,7 +46,7 @@ StateUpdate resting_state(Dice& dice) {
   return update;
 }
 
-/// What comes out at the other end, which is also what the sender is left with.
+/// The decoded state, which must also be the sender's.
 std::vector<CompactState> round_trip(std::span<const IndexedState> states) {
   std::vector<IndexedState> sent(states.begin(), states.end());
   Bytes bytes;

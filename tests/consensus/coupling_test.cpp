@@ -84,7 +84,7 @@ TEST_CASE("coupling: two steps leave a sleeping body asleep where one pass does"
   Site& a = (*session)[0];
   Site& b = (*session)[1];
   CHECK_FALSE(a.world.awake(a.body));
-  // What moves there moves here as well.
+  // Bodies that move there also move here.
   b.displace({0.05, 0.0, 0.0});
   session->run(0.1);
   CHECK(a.world.awake(a.body));

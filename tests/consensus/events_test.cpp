@@ -127,7 +127,7 @@ TEST_CASE("events: topic, time, sender and one receiver", "[consensus][events]")
   CHECK(event.role == Role::Share);
 }
 
-TEST_CASE("events: who joins later hears what is sent from then on", "[consensus][events]") {
+TEST_CASE("events: a late member hears later events", "[consensus][events]") {
   Session session({.latency = 0.02});
   session.run(2);
   session.at(0).send("early", {});
@@ -198,7 +198,7 @@ TEST_CASE("events: a member may say no more than the budget, and what waits is n
   CHECK(session.heard[1].size() == 200);
 }
 
-TEST_CASE("events: what cannot be sent is refused by name", "[consensus][events][fault]") {
+TEST_CASE("events: invalid events are refused by name", "[consensus][events][fault]") {
   Session session({});
   const std::vector<std::byte> long_payload(kMaxPacketBytes);
   using tandem::testing::refusal;
@@ -216,7 +216,7 @@ TEST_CASE("events: what cannot be sent is refused by name", "[consensus][events]
         std::string::npos);
 }
 
-/// What a member sends where it is polled once.
+/// Packets that a member sends in one poll.
 std::vector<std::vector<std::byte>> packets_of(EventChannel& channel, StubTransport& wire) {
   wire.posted.clear();
   channel.poll(kStep);

@@ -35,8 +35,8 @@ StateUpdate owned(StateUpdate update) {
   return update;
 }
 
-/// Where `kind` sees a body (the own one rests in the origin) `ahead` s after the last of `count`
-/// states that `motion` gives.
+/// Prediction by `kind` of a body (the local copy rests at the origin) `ahead` s after the last of
+/// `count` states that `motion` gives.
 template <class Motion>
 Prediction after(PredictorKind kind, const PredictorOptions& options, int count, double ahead,
                  const Motion& motion) {

@@ -97,7 +97,7 @@ Missed missed(const F& f) {
   return {std::sqrt(sum.track / count), std::sqrt(sum.line / count)};
 }
 
-/// Of a motion with tremor: rates of change by themselves, and what noise adds to them.
+/// Of a motion with tremor: its state, and matrices of rates, noise and moments.
 using State = Eigen::Matrix<double, 5, 1>;
 using Square = Eigen::Matrix<double, 5, 5>;
 
@@ -116,7 +116,7 @@ TEST_CASE("hand filter: it expects what all places together let expect", "[conse
   noise(4, 4) = 4.0 * 0.15 * kRate * kRate * kRate * kTremor * kTremor;
   constexpr int kSmall = 2000;
   const double step = kFrame / kSmall;
-  // Of the first place: the hand is there, with tremor or without.
+  // Moments at the first place: the hand is there, with tremor or without.
   Square moments = Square::Zero();
   moments(0, 0) = moments(3, 3) = kTremor * kTremor;
   moments(0, 3) = moments(3, 0) = -kTremor * kTremor;

@@ -110,7 +110,7 @@ TEST_CASE("initiative: a stroke with an own body is a user's act as well", "[con
   CHECK(gap_now(session[0], session[1]) < 5e-3);
 }
 
-TEST_CASE("initiative: of two who hold a body nobody leads", "[consensus]") {
+TEST_CASE("initiative: nobody leads a body that two hold", "[consensus]") {
   Session session(network_profile(3));
   Claims claims[2];
   for (int i = 0; i < 2; ++i) {
@@ -135,7 +135,7 @@ TEST_CASE("initiative: of two who hold a body nobody leads", "[consensus]") {
   CHECK_FALSE(claims[1].leads);
 }
 
-TEST_CASE("initiative: of two who hold the ends of one bar nobody leads", "[consensus]") {
+TEST_CASE("initiative: nobody leads a bar whose ends two hold", "[consensus]") {
   // Each would follow the other's end and hold on to its own: a loop, and no follower of one that
   // does not listen.
   const SharedId far_end = SharedId::from_name("far end");
@@ -214,14 +214,14 @@ TEST_CASE("initiative: what was let fall comes down alike, and everybody is hear
   REQUIRE(landed > 0.0);
   REQUIRE(landed < 2.8);
   CHECK((session[0].x() - session[1].x()).norm() < 1e-3);
-  // What rests where all have it is not looked at until somebody moves it.
+  // A body at rest at the same place everywhere is not looked at until it is moved.
   const double before = session[0].x().x();
   session[1].displace({0.05, 0.0, 0.0});
   session.run(1.0);
   CHECK(session[0].x().x() > before + 0.01);
 }
 
-TEST_CASE("initiative: who acts later has it", "[consensus]") {
+TEST_CASE("initiative: the later act has it", "[consensus]") {
   const auto session = throw_ball(4, 2);
   session->run(2.5);
   const Vec3 first = (*session)[0].v();

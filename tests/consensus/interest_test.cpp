@@ -36,7 +36,7 @@ TEST_CASE("peer: what concerns nobody is not sent, and what is not shared is sho
   CHECK_FALSE(b.peer->heard(kBody, 1).has_value());
 }
 
-TEST_CASE("peer: a body that is shared no longer is nobody's business, and its springs let go",
+TEST_CASE("peer: a body that is no longer shared is not sent, and its springs let go",
           "[consensus]") {
   Session session;
   Site& a = session.add(1, 0.0, {}, kWeightless);

@@ -135,8 +135,8 @@ TEST_CASE("jump: where the ground is another one, a body is put there once at mo
 }
 
 TEST_CASE("jump: a peer between two others that pull it apart is not put anywhere", "[consensus]") {
-  // The middle one hears both and stays; the outer ones hear nobody: nothing changes for
-  // ever, and nothing is in anybody's way.
+  // The middle one hears both and stays; the outer ones hear nobody: nothing ever changes, and no
+  // peer is disturbed.
   Session session(network_profile(1));
   for (int i = 0; i < 3; ++i) {
     PeerOptions options{.authority_ramp = 0.0};

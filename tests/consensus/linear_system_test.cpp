@@ -66,7 +66,7 @@ class Oscillators {
     const Eigen::Index n = stiffness_.rows();
     return 0.5 * (x.tail(n).squaredNorm() + x.head(n).dot(stiffness_ * x.head(n)));
   }
-  /// What is conserved, as a length.
+  /// The conserved quantity, as a length.
   double norm(const Vector& x) const { return std::sqrt(energy(x)); }
 
  private:
@@ -78,7 +78,7 @@ class Oscillators {
 struct News {
   std::size_t from = 0;
   int stamp = -1;       ///< frame; -1 = none
-  double weight = 0.0;  ///< against the own state's 1
+  double weight = 0.0;  ///< relative to the local state's 1
 };
 
 class Session {
@@ -120,7 +120,7 @@ class Session {
   }
 
  private:
-  /// One replay: from the own state at the oldest stamp on, each state is taken in where it is
+  /// One replay: from the local state at the oldest stamp on, each state is blended in as it is
   /// passed.
   Vector target(std::size_t peer, std::vector<News> news) const {
     std::erase_if(news, [](const News& n) { return n.stamp < 0; });
@@ -187,9 +187,9 @@ TEST_CASE("linear system: a difference contracts by 1 - s in each frame, whateve
 
 TEST_CASE("linear system: a mean that left its course comes to one that needs no agreement",
           "[consensus][analytic]") {
-  // In the frame that moves along: y' = (1 - s) y + s y[d frames ago]. Of the roots of
-  // z^(d + 1) = (1 - s) z^d + s one is 1, and all others are inside of the unit circle: where one
-  // push has parted the mean from its own past, that dies out.
+  // In the frame that moves along: y' = (1 - s) y + s y[d frames ago]. One root of z^(d + 1) = (1 -
+  // s) z^d + s is 1, and all others are inside the unit circle: where one push has parted the mean
+  // from its own past, that dies out.
   for (int delay = 1; delay <= 30; ++delay) {
     for (const double share : {0.02, 0.2, 0.5, 0.9}) {
       CAPTURE(delay, share);
@@ -213,7 +213,7 @@ TEST_CASE("linear system: a mean that left its course comes to one that needs no
   }
 }
 
-/// Who hears what, when and how much of it.
+/// The states that each peer hears, their ages and weights.
 struct Network {
   int shortest = 0;  ///< frames
   int longest = 30;
@@ -268,7 +268,7 @@ Outcome agree(const Oscillators& physics, std::size_t peers, double share, const
           way.stamp = std::max(way.stamp, packet.second);
           return true;
         });
-        // What is older than the oldest that is used has expired.
+        // States older than the oldest one in use have expired.
         if (frame - way.stamp >= kLongest) continue;
         heard[to].push_back({.from = from, .stamp = way.stamp, .weight = way.weight});
       }

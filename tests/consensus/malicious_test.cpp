@@ -21,8 +21,8 @@ using namespace testing;
 /// The lowest id, which leads where nothing else decides.
 constexpr PeerId kLiar = 1;
 
-/// What it says of one body to one other. Given what is true (at the first honest peer), it changes
-/// that.
+/// Its claim about one body to one other peer: it changes the true state (that of the first honest
+/// peer).
 using Lie = std::function<void(StateUpdate& update, PeerId to, double t, Dice& dice)>;
 
 struct Trace {

@@ -112,7 +112,7 @@ TEST_CASE("budget: so much a second, so much at once, and abuse is what goes on"
   }
   CHECK(admitted == 15);
   CHECK_FALSE(budget.abused());
-  // What is dear is paid for afterwards.
+  // Expensive packets are charged afterwards.
   budget.spend(100.0);
   CHECK_FALSE(budget.admits(5 * kSecond));
   CHECK_FALSE(budget.abused());  // a pause lies between
@@ -231,7 +231,7 @@ TEST_CASE("peer: a hundred thousand springs of any stiffness leave few, and room
   const Vec3 from = target.site.x();
   std::uint32_t number = 0;
   const std::size_t before = in_use();
-  // Of twenty ids, so that nobody's own limit is what holds.
+  // From twenty ids, so that no member's own limit is reached.
   target.run(100, [&](int) {
     for (int i = 0; i < 1000; ++i) {
       ++number;
@@ -302,8 +302,7 @@ TEST_CASE("peer: a million ids leave no more behind than two mebibytes",
   CHECK(in_use() < before + (std::size_t{2} << 20));
 }
 
-// What the limits above come to in time, for docs/history/network-figures.md: never a test's
-// business.
+// The time behind the limits above, for docs/history/network-figures.md; not a test.
 TEST_CASE("measure: processor time of a step under what one member sends", "[.measure]") {
   const auto tiny = StubTransport::packet_of(Leave{.stamp = 1});
   std::vector<std::byte> states;

@@ -42,7 +42,7 @@ double widest(const Crowd& crowd) {
   return std::max({spread(crowd, kCube), spread(crowd, kFree), spread(crowd, kCarried)});
 }
 
-TEST_CASE("membership: who comes in mid-action agrees within a second, and no other sees it",
+TEST_CASE("membership: a newcomer in mid-action agrees within a second, unnoticed by the others",
           "[consensus]") {
   const int profile = GENERATE(1, 3, 5);
   const PeerId late = GENERATE(PeerId{1}, PeerId{9});
@@ -52,7 +52,7 @@ TEST_CASE("membership: who comes in mid-action agrees within a second, and no ot
   Carrier carrier;
   crowd[0].user = [&](Member& member, SessionTime now) { carrier(member, now); };
   crowd.run(2.5);
-  // What the peers see of each other while something is carried: steps 1 ms apart, and latency.
+  // Differences between peers while something is carried: steps 1 ms apart, and latency.
   double usual = 0.0;
   crowd.after = [&](Member&) { usual = std::max(usual, widest(crowd)); };
   crowd.run(2.0);
@@ -202,7 +202,7 @@ TEST_CASE("membership: two halves that were apart for ten seconds come together"
                   << 1e3 * widest(crowd) << " mm");
   CHECK(corrected <= 1.01 * RobustOptions{}.max_correction);
   CHECK(widest(crowd) < usual + 1e-3);
-  // What users' springs do: 0.9 m/s carried around, 20 N over 0.8 m.
+  // Speed from users' springs: 0.9 m/s carried around, 20 N over 0.8 m.
   CHECK(fastest < 6.0);
   for (const auto& member : crowd.members) CHECK(member->tethers() == 2);
 }

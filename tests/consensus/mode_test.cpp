@@ -178,7 +178,7 @@ TEST_CASE("mode: who becomes the owner of what it drags can still let go", "[con
   site.user = nullptr;
   site.peer->release(grab);
   session->run(0.1);
-  // What is let go is physics' again: a push counts.
+  // A released body follows physics again: a push counts.
   site.world.set_twist(site.body, {Vec3(0.0, 1.0, 0.0), Vec3::Zero()});
   session->run(0.1);
   CHECK(site.v().y() == Approx(1.0).margin(0.05));

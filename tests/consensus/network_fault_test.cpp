@@ -81,7 +81,7 @@ TEST_CASE("network: small shares bear 1 s of latency, 100 ms of jitter, a quarte
   link.loss = 0.25;
   link.duplicate = 0.25;
   PeerOptions options;
-  // What is a second old when it comes must not have expired, and cannot be followed in a hurry.
+  // States that are a second old on arrival must not have expired, and cannot be followed quickly.
   options.influence.max_age = 3.0;
   options.spring_timeout = 4.0;
   options.influence.baseline = options.influence.leading = 0.02;

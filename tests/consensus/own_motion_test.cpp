@@ -19,7 +19,7 @@ using tandem::testing::angle_between;
 
 constexpr double kFrame = 1.0 / 60.0;
 
-/// Shows the own motion whenever a remote state is used.
+/// Shows the local motion whenever a remote state is used.
 struct Look final : PeerObserver {
   std::function<void(const MotionHistory&)> at;
   void on_estimate(const EstimateEvent& event) override { at(event.own); }

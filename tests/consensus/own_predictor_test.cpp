@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// PeerOptions::own_predictor: an application's predictor in place of one of ours.
+// PeerOptions::own_predictor: an application's predictor instead of one of ours.
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
@@ -82,7 +82,7 @@ TEST_CASE("own predictor: where it says what is no number, the state counts as i
   }
 }
 
-TEST_CASE("own predictor: it is asked in place of a replay", "[consensus]") {
+TEST_CASE("own predictor: it is asked instead of a replay", "[consensus]") {
   // Peers that would replay, but for a predictor of their own, are as those that never would.
   const auto own = std::make_shared<Forwarding>(PredictorKind::Euler);
   CHECK(hashes({.predictor = PredictorKind::Replay, .own_predictor = own}) ==

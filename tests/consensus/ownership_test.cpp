@@ -107,8 +107,7 @@ TEST_CASE("single owner: after the grant nothing that others do moves the owner'
   CHECK(hashes[0] == hashes[1]);
 }
 
-TEST_CASE("single owner: of those who hold it the later one has it, then whoever still holds",
-          "[consensus]") {
+TEST_CASE("single owner: the latest holder has it, then any that still holds", "[consensus]") {
   const auto session = balls(3);
   (*session)[1].user = hold(2.0, 6.0, Vec3(0.2, 0.0, 0.0));
   (*session)[2].user = hold(3.0, 5.0, Vec3(-0.2, 0.0, 0.0));
@@ -216,7 +215,7 @@ TEST_CASE("single owner: a grant counts from the owner only, and old claims no m
   table.hear(2, 7, OwnershipEvent::Grant, start + 20'000'000);
   table.run(1);
   CHECK(table.owner() == 7);
-  // What the old owner said before it gave it away arrives late.
+  // States that the old owner sent before it gave the body away arrive late.
   table.hear_claim(2, start + 15'000'000);
   table.run(1);
   CHECK(table.owner() == 7);

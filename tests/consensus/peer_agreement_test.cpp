@@ -176,7 +176,7 @@ TEST_CASE("peer: a difference does not grow at any delay", "[consensus]") {
         session->run(kFrame);
         largest = std::max(largest, gap(a, b));
       }
-      // What is left after half a second each is less than before, down to nothing visible.
+      // The rest after each half second is less than before, down to nothing visible.
       CHECK(largest <= std::max(before * (1.0 + 1e-6), 1e-5));
       before = largest;
     }

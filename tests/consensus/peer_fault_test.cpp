@@ -138,7 +138,7 @@ TEST_CASE("peer: a hostile stream of bytes moves nothing, its sender is dropped 
   CHECK_FALSE(duel.untouched());
 }
 
-TEST_CASE("peer: a network drops who sends what cannot be decoded", "[consensus][fault]") {
+TEST_CASE("peer: a network drops a peer whose packets cannot be decoded", "[consensus][fault]") {
   Session session;
   Site& victim = session.add(1, 0.0, {}, kWeightless);
   victim.share(ball(Vec3::Zero()));
@@ -293,7 +293,7 @@ TEST_CASE("peer: springs of any strength that a packet can name leave a finite w
   CHECK(duel.victim().pose().orientation.coeffs().allFinite());
 }
 
-TEST_CASE("peer: what cannot move, and what is shared already, is refused", "[consensus][fault]") {
+TEST_CASE("peer: sharing a fixed or an already shared body is refused", "[consensus][fault]") {
   StubTransport transport(1);
   Site site(transport, {}, kWeightless);
   site.share(ball(Vec3::Zero()));

@@ -125,7 +125,7 @@ TEST_CASE("peer: a recorded inbox played back gives the same bits", "[consensus]
     return hashes;
   };
   CHECK(replay(true) == lived);
-  // What was heard made a difference.
+  // The received states made a difference.
   CHECK(replay(false) != lived);
 }
 

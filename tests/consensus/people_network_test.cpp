@@ -22,7 +22,7 @@ constexpr std::size_t kAdrift = 40;  ///< balls more, so that a replay of a seco
 
 constexpr std::size_t kStill = kCarried + 1;
 
-/// What is wrong with him, from 2 s to 8 s.
+/// The trouble of one member, from 2 s to 8 s.
 struct Trouble {
   std::string name;
   std::function<void(Crowd&)> begin;

@@ -37,7 +37,8 @@ TEST_CASE("replay: a world at rest in agreement replays nothing", "[consensus]")
   CHECK(after.fresh == before.fresh);
   CHECK(after.without == before.without);
   CHECK(after.seconds == before.seconds);
-  // What sleeps where all have it is not even averaged, until somebody has it elsewhere.
+  // A body asleep at the same place everywhere is not even averaged, until one peer has it
+  // elsewhere.
   CHECK((session[0].peer->stats().bodies_aggregated == averaged) == sleeps);
   session[1].displace({0.01, 0.0, 0.0});
   session.run(4.0);
@@ -92,7 +93,7 @@ TEST_CASE("replay: many peers cost one replay", "[consensus]") {
 
 TEST_CASE("replay: no more is replayed than the budget has, and all of it without a limit",
           "[consensus]") {
-  // What a fresh replay costs is known: as many steps as news is old. A few bodies are free.
+  // The cost of a new replay is known: as many steps as the states are old. A few bodies are free.
   constexpr int kMany = 40;
   for (const double budget : {1.0, 1.75, 4.0, kInf}) {
     CAPTURE(budget);
@@ -122,7 +123,7 @@ TEST_CASE("replay: nor is more where news is now older and now newer", "[consens
   options.replay.tolerance = 0.0;
   Session session({.latency = 8.0 * kFrame});
   for (int i = 0; i < 2; ++i) {
-    // Who comes in bursts, as a machine does that is late, is heard six times a second.
+    // A peer whose packets come in bursts, as from a late machine, is heard six times a second.
     if (i == 1) options.update_hz = 6.0;
     Site& site = session.add(static_cast<PeerId>(i + 1), 0.0, options);
     pbd::BodyDef def = ball(Vec3(0.02 * i, 0.0, kBallRadius + 1.0));
@@ -138,7 +139,7 @@ TEST_CASE("replay: nor is more where news is now older and now newer", "[consens
   session.run(5.0);
   const ReplayStats& stats = session[0].peer->stats().replay;
   CHECK(stats.fresh > 20);
-  // What a second allows for may be saved up.
+  // One second's allowance may be saved up.
   CHECK(static_cast<double>(stats.steps) < budget * (300.0 + 60.0) + 10.0);
 }
 

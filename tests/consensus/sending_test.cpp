@@ -248,7 +248,7 @@ TEST_CASE("sending: the budget is kept, and what the user holds comes first", "[
   CHECK(worst_gap(session[0], a, session[1], b) < 0.02);
 }
 
-TEST_CASE("sending: whoever comes later learns all names, whatever is lost", "[consensus]") {
+TEST_CASE("sending: a late peer learns all names despite loss", "[consensus]") {
   Session session({.latency = 0.03, .loss = 0.25, .reorder = 0.2});
   session.add(1, 0.0, compact(1e-3), kWeightless);
   const auto a = add_balls(session[0], 40, 0.0);
@@ -315,7 +315,7 @@ TEST_CASE("sending: an index never means another body than it was given to", "[c
   CHECK_FALSE(heard(0));
   CHECK(heard(2));
   CHECK(transport.dropped.empty());
-  // Who goes on without its names is asked for them, and not in each step.
+  // A peer that keeps sending without its names is asked for them, but not in each step.
   transport.posted.clear();
   for (int i = 0; i < 90; ++i) {
     state(102, 0);

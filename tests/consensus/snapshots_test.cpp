@@ -30,7 +30,7 @@ TEST_CASE("replay: worlds that one who was late has asked for are given back",
   CHECK(snapshots.size() > 60);
   keep(3 * Snapshots::kWindow, 3);
   CHECK(snapshots.size() < 10);
-  // What is still asked for stays.
+  // Snapshots that are still needed stay.
   CHECK(snapshots.find(frame - 3, frame) != nullptr);
   keep(2000, 1500);
   CHECK(snapshots.size() <= Snapshots::kCapacity);

@@ -97,7 +97,8 @@ TEST_CASE("springs: a hand that came to rest keeps its hold", "[consensus]") {
   CHECK((b.x() - a.x()).norm() < 1e-3);
 }
 
-TEST_CASE("springs: an anchor is carried on by its velocity, but not for ever", "[consensus]") {
+TEST_CASE("springs: an anchor is extrapolated by its velocity, but only for a time",
+          "[consensus]") {
   PeerOptions options = springs_only();
   options.max_anchor_extrapolation = 0.3;
   options.spring_timeout = 10.0;
@@ -148,7 +149,7 @@ TEST_CASE("springs: a body that is shared while somebody holds it is held at onc
   a.peer->release(grab);
   session->run(0.5);
   CHECK(b.tethers().size() == 0);
-  // What was let go before the body came does not pull any more.
+  // A spring released before the body was shared does not pull.
   b.peer->unshare(kBody);
   const GrabId other = a.peer->grab({.body = kBody});
   session->run(0.2);

@@ -52,7 +52,7 @@ class StubTransport : public Transport {
   PeerId self_;
 };
 
-/// What one peer's drains brought, one entry for each of them.
+/// Packets of one peer's drains, one entry per drain.
 using Recording = std::vector<std::vector<Packet>>;
 
 /// Passes everything on to another transport and keeps what it drained.

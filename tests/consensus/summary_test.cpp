@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// One state in place of many.
+// One state instead of many.
 #include "tandem/consensus/summary.h"
 
 #include <vector>

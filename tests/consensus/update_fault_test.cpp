@@ -25,7 +25,7 @@ using Bytes = std::vector<std::byte>;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-// Where fields start within a record, from the documented layout.
+// Offsets of fields within a record, from the documented layout.
 constexpr std::size_t kStatePosition = 16;
 constexpr std::size_t kStateVelocity = 40;
 constexpr std::size_t kStateOrientation = 52;

@@ -125,7 +125,7 @@ TEST_CASE("virtual_link: a dropped peer is cut off with a reason until a new han
   a.drop(99, "nobody");
 }
 
-TEST_CASE("virtual_link: what cannot be sent is refused at once", "[consensus][fault]") {
+TEST_CASE("virtual_link: invalid packets are refused at once", "[consensus][fault]") {
   VirtualNetwork network;
   Transport& a = network.transport(1);
   network.transport(2);

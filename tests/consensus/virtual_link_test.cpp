@@ -102,7 +102,7 @@ TEST_CASE("virtual_link: in a stall nothing comes, after it all, and nothing els
     CHECK(stalled[i].delay < smooth[i].delay + 1000 * kMs + 2);
     if (stalled[i].delay == smooth[i].delay) continue;
     ++late;
-    // Those of one stall come together.
+    // Packets of one stall arrive together.
     if (i == 0 || stalled[i - 1].delay == smooth[i - 1].delay) continue;
     const bool same = stalled[i].delay == stalled[i - 1].delay - 10 * kMs;
     CHECK((same || stalled[i].delay > stalled[i - 1].delay));
@@ -176,7 +176,7 @@ TEST_CASE("virtual_link: states are overtaken as often as asked, and not otherwi
   const int count = 10000;
   CHECK(overtaken(run_stream(options, 3, count, 10 * kMs, Delivery::Newest)) == 0);
   // Held back by up to 40 ms at 10 ms between packets: overtaken in three cases out of four,
-  // unless the next one is held back as well.
+  // unless the next one is held back too.
   options.reorder = 0.1;
   options.reorder_delay = 0.04;
   const int got = overtaken(run_stream(options, 3, count, 10 * kMs, Delivery::Newest));

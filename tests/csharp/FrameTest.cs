@@ -45,7 +45,7 @@ internal static class FrameTest {
     var angle = random.NextDouble();
     Same(frame.To(Quat.About(axis, angle)), Quat.About(frame.ToTurning(axis), angle),
          "an angle about an axis");
-    // What turns for a short time by w has turned by about w t.
+    // A body that turns at w for a short time t has turned by about w t.
     const double t = 1e-6;
     var turned = Quat.About(axis, b.Length * t);
     var there = frame.ToTurning(b.Length * axis);

@@ -55,7 +55,7 @@ internal static class LayoutTest {
     if (type == null) return;
     Check.That(Marshal.SizeOf(type) == int.Parse(line[2]),
                $"{type.Name} has {line[2]} bytes, not {Marshal.SizeOf(type)}");
-    // What has no copy of its own on the way is what can be pinned.
+    // Types that are passed without a copy are those that can be pinned.
     GCHandle.Alloc(Array.CreateInstance(type, 1), GCHandleType.Pinned).Free();
     var fields = type.GetFields(BindingFlags.Instance | BindingFlags.Public |
                                 BindingFlags.NonPublic);

@@ -87,7 +87,8 @@ internal static class LifetimeTest {
   }
 
   private static void WhatIsLeftIsFreed() {
-    // What is taken once is taken by the first ones; then what each takes while it is there.
+    // The first objects take one-time memory; after them the memory of each object while it lives
+    // is counted.
     for (var i = 0; i < 8; ++i) Abandoned(i);
     var kept = Kept(100);
     Collect();

@@ -12,7 +12,7 @@ extern "C" {
 /* Made by layout.py. */
 void print_layout(void);
 
-/* Those of the tutorial's first program in C++, every half second. */
+/* Heights of the tutorial's first program in C++, every half second. */
 enum { TUTORIAL_HASHES = 5 };
 void tutorial_of_cpp(uint64_t hashes[TUTORIAL_HASHES]);
 

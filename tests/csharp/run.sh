@@ -16,7 +16,8 @@ compile() {
 }
 
 compile -out:"$folder/tests.exe" "$runtime"/*.cs "$samples/Table/TableRoom.cs" "$here"/*.cs
-# What Unity compiles, against the few of its names that it uses: no more than a check of types.
+# The sources that Unity compiles, against the few of its names that they use: only a check of
+# types.
 compile -target:library -define:UNITY_5_3_OR_NEWER -out:"$folder/unity.dll" \
   "$here"/unity/*.cs "$runtime"/*.cs "$samples"/*/*.cs
 

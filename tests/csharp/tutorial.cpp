@@ -7,7 +7,7 @@
 
 using namespace tandem;
 
-// docs/tutorial.md: falling.cpp, with hashes in place of heights.
+// docs/tutorial.md: falling.cpp, with hashes instead of heights.
 extern "C" void tutorial_of_cpp(std::uint64_t hashes[TUTORIAL_HASHES]) {
   Scene scene;
   scene.add(HalfSpace{}, {.type = BodyType::Static});

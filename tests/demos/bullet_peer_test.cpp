@@ -74,7 +74,7 @@ TEST_CASE("bullet peer: the view falls, rests and touches as Bullet has it", "[d
   CHECK(*alone.physics().touching() == Pairs{{0, 2}});
 }
 
-TEST_CASE("bullet peer: what is put elsewhere keeps its velocity", "[demos][analytic]") {
+TEST_CASE("bullet peer: a teleported body keeps its velocity", "[demos][analytic]") {
   if (skipped()) return;
   Alone alone;
   for (int i = 0; i < 10; ++i) alone.step();

@@ -76,7 +76,7 @@ TEST_CASE("command line: a run says in words what happened, beside another one",
   const std::string details = said({"--print", "details"});
   CHECK_THAT(details, Catch::Contains("divergence, mm"));
   CHECK_THAT(details, !Catch::Contains("Two people"));
-  // Programs get one object, whoever reads along.
+  // Programs get one object, even on a terminal.
   const std::string json = said({"--json", "-"});
   CHECK(json.front() == '{');
   CHECK_THAT(json, !Catch::Contains("Two people"));

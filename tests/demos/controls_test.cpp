@@ -128,7 +128,7 @@ TEST_CASE("signals: each takes effect once at each peer, at its time", "[demos][
   CHECK_FALSE(b.take(100'000'000, signal));
 }
 
-TEST_CASE("signals: who comes later is told", "[demos][unit]") {
+TEST_CASE("signals: late peers are told", "[demos][unit]") {
   consensus::VirtualNetwork network;
   Signals a(network.transport(1));
   a.update(0);

@@ -78,7 +78,7 @@ TEST_CASE("gltf: a recording shows each body of each peer where it was", "[demos
       ++moved;
       for (const TrackSample& sample : track.samples()) {
         const double time = 1e-9 * static_cast<double>(sample.time - start);
-        // What it leaves out is within 0.1 mm; times have 24 bits.
+        // Omitted samples are within 0.1 mm; times have 24 bits.
         REQUIRE((translation(model, sampler, time) - sample.position).norm() < 1.2e-4);
       }
     }

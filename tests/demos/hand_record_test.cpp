@@ -28,7 +28,7 @@ std::string refusal(const std::string& text) {
   return {};
 }
 
-TEST_CASE("hand record: what is written is read", "[demos][unit]") {
+TEST_CASE("hand record: a written record is read back", "[demos][unit]") {
   const HandRecord record =
       hand_record_from_text("# Somebody.\n" + kHead +
                                 "\n0.5 grab cube/9 0.1 -0.05 0 1 2 3\n0.75 move 1 2 3.5\n1 let\n"

@@ -26,7 +26,7 @@ TEST_CASE("json: bytes that are no UTF-8 do not get out", "[demos][fault]") {
   CHECK(json_string("\xed\xa0\x80x") == R"("\ufffd\ufffd\ufffdx")");  // surrogate
 }
 
-TEST_CASE("json: numbers keep every bit and what is not finite is null", "[demos][unit]") {
+TEST_CASE("json: numbers keep every bit, NaN and infinity become null", "[demos][unit]") {
   JsonWriter json;
   json.begin_array();
   json.value(0.1).value(1e-300).value(std::numeric_limits<double>::quiet_NaN());

@@ -12,7 +12,7 @@
 
 namespace tandem::demos::late_member_test {
 
-/// What a member says of the first peer's bodies, as old as it has them.
+/// A member's states of the first peer's bodies, at their age.
 struct Saying {
   double age = 0.0;        ///< s
   double other_age = age;  ///< s, of every other update

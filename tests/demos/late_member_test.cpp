@@ -84,7 +84,7 @@ TEST_CASE("late member: who is far follows, and the near ones have what they hav
     // As many as news from the near one are old, at the most.
     CHECK(stats.replay.steps < 3 * 5 * 60);
   }
-  // Who is far is told whose states it waits for.
+  // A distant peer is told whose states it waits for.
   std::uint64_t without = 0;
   const consensus::Peer& there = session.actors()[2].participant().peer();
   for (const consensus::PeerReport& report : there.reports()) {

@@ -45,7 +45,7 @@ TEST_CASE("link words: loss and round trip are those of the link", "[demos][unit
   CHECK(pair.packets.empty());  // no word gets through
 }
 
-TEST_CASE("link words: what is doubled and overtaken is no loss", "[demos][unit]") {
+TEST_CASE("link words: duplicates and reordering do not count as loss", "[demos][unit]") {
   Pair pair({.latency = 0.1, .jitter = 0.09, .duplicate = 0.5, .reorder = 0.5});
   pair.run(0, 30'000 * kMs);
   CHECK(pair.a.figures(2).loss < 0.02);

@@ -47,7 +47,7 @@ std::vector<double> sine(double frequency, int samples) {
   return values;
 }
 
-/// Of a sine, from the mean square of the middle half.
+/// Amplitude of a sine, from the mean square of the middle half.
 double amplitude(const std::vector<double>& values) {
   const auto quarter = static_cast<std::ptrdiff_t>(values.size() / 4);
   double squares = 0.0;
@@ -119,7 +119,7 @@ TEST_CASE("smoothness: a parabola has one acceleration and no jerk; pops are cou
   // The mean of the squares of i = 0 .. 59 is 59 * 119 / 6.
   const double fall = 9.81 / kRate;
   CHECK(s.speed_rms == Approx(std::sqrt(1.0 + fall * fall * 59.0 * 119.0 / 6.0)));
-  // What its owner moves is not looked at.
+  // Bodies moved by their owner are not looked at.
   peers[0].owners = {1};
   CHECK(smoothness(peers).acceleration.count == 0);
 }

@@ -197,7 +197,7 @@ TEST_CASE("options: couplings that are compared differ in what they say and in n
   CHECK(of("none").coupling == Coupling::None);
   CHECK(of("single-owner").coupling == Coupling::SingleOwner);
   CHECK(of("single-owner").predictor == PredictorKind::Euler);
-  // What is said counts.
+  // Explicit options count.
   CHECK(parse({"--coupling=two-step-paper", "--predictor", "none"}).peer_options().predictor ==
         PredictorKind::None);
 }
@@ -319,7 +319,7 @@ TEST_CASE("options: results that cannot be written are found before the run", "[
   CHECK(wrong({"--json", "-"}).empty());
 }
 
-TEST_CASE("options: what has no meaning together is refused", "[demos][fault]") {
+TEST_CASE("options: contradictory options are refused", "[demos][fault]") {
   CHECK(refusal({"--listen", "1", "--profile", "2"}) ==
         "--profile has no meaning with --listen or --connect");
   CHECK(refusal({"--peers", "2", "--connect", "a:1"}) ==

@@ -18,7 +18,7 @@ void write_key(const std::filesystem::path& path, const std::string& text) {
   write_for_owner_alone(path.string(), text);
 }
 
-/// What is wrong with a file of this text; empty where nothing is.
+/// The error for a file of this text; empty if there is none.
 std::string refusal(const std::string& text) {
   try {
     parse_config(text, "peers.toml");
@@ -216,7 +216,7 @@ TEST_CASE("peer config: a misspelt key is refused, not ignored", "[demos][fault]
             .find("peers.toml:2: unknown key 'fidget'; keys here are id, ") == 0);
   CHECK(refusal("id = 1\n" + kNetwork + "[user]\nfiget = true\n")
             .find("peers.toml:6: unknown key 'user.figet'; did you mean 'user.fidget'?") == 0);
-  // What is misspelt is told, not that what was meant is missing.
+  // The error names the misspelt key, not the missing one.
   CHECK(refusal("id = 1\n[netwrk]\nlisten = 1\n")
             .find("peers.toml:2: unknown key 'netwrk'; did you mean 'network'?") == 0);
   CHECK(refusal("id = 1\n[network]\nlisen = 1\ninsecure = true\n")
@@ -226,7 +226,7 @@ TEST_CASE("peer config: a misspelt key is refused, not ignored", "[demos][fault]
         std::string::npos);
 }
 
-TEST_CASE("peer config: what is no TOML is refused with its line", "[demos][fault]") {
+TEST_CASE("peer config: invalid TOML is refused with its line", "[demos][fault]") {
   CHECK(refusal("id = 1\nid = = 2\n").find("peers.toml:2: no TOML: ") == 0);
   CHECK_THROWS_AS(read_config("/nowhere/peers.toml"), ConfigError);
 }

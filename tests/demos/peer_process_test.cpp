@@ -16,7 +16,7 @@
 namespace tandem::demos::peer_process_test {
 namespace {
 
-/// What a web server on loopback answers; empty where there is none.
+/// Answer of a web server on loopback; empty if there is none.
 std::string fetch(int port, const std::string& path) {
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};

@@ -84,7 +84,7 @@ class Proxy {
     entrance_ = Socket::address(std::atoi(folder_.text("out").c_str()));
   }
   const sockaddr_in& entrance() const { return entrance_; }
-  /// What it says at its end.
+  /// Its output at the end.
   std::string end() {
     process_.send(SIGTERM);
     CHECK(process_.wait() == 0);
@@ -157,7 +157,7 @@ TEST_CASE("proxy: as many datagrams are lost as it is told, in each direction", 
     first = target.hear();
   }
   REQUIRE(first);
-  // Of 1000 with a chance of 0.7 each: the standard deviation is 14.5.
+  // 1000 trials with a chance of 0.7 each: the standard deviation is 14.5.
   const std::size_t there = arrivals(client, proxy.entrance(), target, 1000);
   CHECK(there > 620);
   CHECK(there < 780);

@@ -19,7 +19,7 @@ inline DemoOptions quiet(int profile, double seconds) {
   return options;
 }
 
-/// What a peer's referee or users say of `name`.
+/// Value of `name` by a peer's referee or users.
 inline double number(const PeerRecord& peer, const std::string& name) {
   for (const auto& [key, value] : peer.outcome) {
     if (key == name) return value;

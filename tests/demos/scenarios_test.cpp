@@ -99,7 +99,7 @@ TEST_CASE("tennis: a game goes on where the network is good", "[demos][soak]") {
 
 TEST_CASE("tennis: a game goes on across an ocean as it does where nothing is late",
           "[demos][soak]") {
-  // Of several games: in one of a dozen somebody misses a ball and a rally is lost.
+  // Over several games: in one of a dozen a player misses a ball and a rally is lost.
   const auto hits = [](int profile) {
     double sum = 0.0;
     for (const std::uint64_t seed : {1, 2, 3}) {
@@ -118,7 +118,7 @@ TEST_CASE("tennis: a game goes on across an ocean as it does where nothing is la
   CHECK(hits(5) >= 0.9 * near_by);
 }
 
-TEST_CASE("tennis: both peers see the ball turn at the same time, whoever hits it",
+TEST_CASE("tennis: both peers see the ball turn at the same time, from either stroke",
           "[demos][soak]") {
   const RunResult result = run_virtual(TennisScenario(), quiet(3, 8.0));
   const std::size_t ball = TennisScenario().build({}).index_of("ball/0");

@@ -45,7 +45,7 @@ TEST_CASE("shape mesh: what is drawn encloses the volume of the shape, seen from
     const double volume = collision::mass_properties(shape, 1.0).mass;
     CHECK(enclosed(shape_mesh(shape)) == Approx(volume).epsilon(1e-5));
   }
-  // A circle of 24 corners has this part of its area; a ball is cut along its height as well.
+  // A circle of 24 corners has this part of its area; a ball is also cut along its height.
   const double circle = 12.0 / std::numbers::pi * std::sin(std::numbers::pi / 12.0);
   const std::vector<collision::Shape> round = {collision::Cylinder{0.3, 0.5},
                                                collision::Cone{0.3, 0.5}};

@@ -136,7 +136,7 @@ TEST_CASE("story: beside another run both are shown, and why that one lost", "[d
   CHECK_THAT(text, Catch::Contains("at most 56 mm, 2.9 degrees 56 mm, 2.9 degrees\n"));
   CHECK_THAT(text, Catch::Contains("went wrong nothing it fell\n"));
   CHECK_THAT(text, Catch::Contains("A single owner loses by its nature"));
-  // What two peers saw differently.
+  // Outcomes that two peers saw differently.
   other.run.peers[1].outcome = piano_outcome(true);
   CHECK_THAT(told(r, &other), Catch::Contains("no, 1.1 m of 1.4 m to go or after 12 s"));
   other.options.scheme = Scheme::None;
@@ -144,7 +144,7 @@ TEST_CASE("story: beside another run both are shown, and why that one lost", "[d
   other.options.scheme = Scheme::TwoStepPaper;
   CHECK_THAT(told(r, &other), Catch::Contains("with two-step-paper"));
   CHECK_THAT(told(r, &other), !Catch::Contains("nature"));
-  // Who has not done it either has no reason to look down on others.
+  // A run that failed too must not disparage the other.
   other.options.scheme = Scheme::SingleOwner;
   CHECK_THAT(told(report(2, piano_outcome(false)), &other), !Catch::Contains("nature"));
 }

@@ -25,7 +25,7 @@ constexpr double kMass = 0.5;       // kg
 constexpr double kStiffness = 250;  // N/m
 constexpr double kGravity = 9.81;   // m/s^2
 
-/// What a user does: one spring to the middle of the body for a while.
+/// A user's action: one spring to the middle of the body for a while.
 struct Hold {
   double from = 0.0;             ///< s
   double to = 1e9;               ///< s
@@ -135,7 +135,7 @@ TEST_CASE("stretch: two hands share the weight, at one peer or at two", "[demos]
     }
     const Stretch s = stretch(result.peers);
     CHECK(s.several_m.p50 == Approx(kMass * kGravity / (2.0 * kStiffness)).epsilon(1e-2));
-    // Who holds a body is known as of a peer's last step, and the second peer joins within the
+    // Holders of a body are known as of a peer's last step, and the second peer joins within the
     // first one's first.
     CHECK(s.one_m.count <= 3);
   }
@@ -164,7 +164,7 @@ TEST_CASE("stretch: there is a sample for each step in which a hand holds, and n
   CHECK(result.peers[0].stretches.size() == 30);
   CHECK(result.peers[0].stretches.front().time >= result.peers[0].epoch + 500'000'000);
   CHECK(result.peers[0].stretches.back().time < result.peers[0].epoch + 1'000'000'000);
-  // The other peer simulates the spring as well; it is not its own user's.
+  // The other peer also simulates the spring; it is not its own user's.
   CHECK(result.peers[1].stretches.empty());
   const Stretch nobody = stretch(run(HeldBody({Hold{.from = 9.0}}), 2, 1.0).peers);
   CHECK(nobody.one_m.count == 0);

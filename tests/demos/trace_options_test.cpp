@@ -39,13 +39,13 @@ constexpr Sample kEverywhere[] = {{"--seconds", "7.5"},
                                   {"--iterations", "2,20"},
                                   {"--ablate", "initiative,leading"},
                                   {"--variant", "soft"}};
-/// What says where results go, who is met and how, or what another option says.
+/// Options about output files and connections, or that repeat another option.
 constexpr std::string_view kOthers[] = {
     "--transport", "--view",    "--listen",    "--connect", "--peer-id", "--key",
     "--wait",      "--script",  "--json",      "--csv",     "--record",  "--trace",
     "--help",      "--version", "--reference", "--print",   "--help-all"};
 
-/// Those that begin a line or follow a comma or semicolon.
+/// Options that begin a line or follow a comma or semicolon.
 std::set<std::string_view> options_named_in(const std::string& help) {
   std::set<std::string_view> named;
   for (std::size_t at = help.find("  --"); at != std::string::npos; at = help.find(" --", at + 3)) {
@@ -81,7 +81,7 @@ TEST_CASE("trace: the words of a run's options are read back as the same options
         std::vector<std::string>{"--listen", "0", "--peer-id", "4", "--transport", "udp", "--send",
                                  "budget=64"});
 
-  // Who adds an option says whether a run depends on it.
+  // A new option must be listed here as one on which a run depends or does not.
   std::set<std::string_view> known(std::begin(kOthers), std::end(kOthers));
   for (const Sample& sample : kVirtual) known.emplace(sample.name);
   for (const Sample& sample : kEverywhere) known.emplace(sample.name);
@@ -89,7 +89,7 @@ TEST_CASE("trace: the words of a run's options are read back as the same options
   const std::set<std::string_view> named = options_named_in(all);
   CHECK(named == known);
   CHECK(named.size() <= 35);
-  // Who asks for help is shown no more than ten of them.
+  // --help shows at most ten of them.
   const std::string help = usage("cubes");
   const std::set<std::string_view> usual = options_named_in(help);
   CHECK(usual.size() <= 10);

@@ -12,7 +12,7 @@
 namespace tandem::demos::trace_process_test {
 namespace {
 
-/// What tandem-replay prints, and how it ends.
+/// Output and exit code of tandem-replay.
 struct Said {
   int code = 0;  ///< -1: by a signal
   std::string text;

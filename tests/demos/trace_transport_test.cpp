@@ -117,7 +117,7 @@ TEST_CASE("trace: a transport that is replayed answers every call as it did", "[
     CHECK(replay.sent().take() == sent[i]);
     CHECK_FALSE(replay.left_over());
   }
-  // Who does not ask leaves something over.
+  // A peer that does not ask leaves packets over.
   std::size_t left_over = 0;
   for (const auto& phase : phases.all) {
     replay.begin_phase(phase);

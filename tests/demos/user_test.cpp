@@ -92,7 +92,7 @@ TEST_CASE("user: a task that is long over is skipped", "[demos][unit]") {
   CHECK_FALSE(bench.controls->holds(0));
 }
 
-TEST_CASE("user: lets go of what does not follow the hand", "[demos][unit]") {
+TEST_CASE("user: lets go of a body that does not follow the hand", "[demos][unit]") {
   Bench bench;
   HandPath path(0.0, Vec3(0.0, 0.0, 0.05));
   path.move_by(Vec3(0.0, 0.0, -2.0), 2.0).wait(10.0);  // into the ground

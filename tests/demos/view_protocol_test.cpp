@@ -145,7 +145,7 @@ TEST_CASE("frame: where panes are added or taken away, nobody may go on from the
   frame.panes.resize(2);
   REQUIRE(encoder.take(frame, false));
   CHECK(encoder.number() == 1);
-  // Who has number 1 is given what has changed since only where the next one is number 2.
+  // A page that has frame 1 gets the changes only if the next frame is number 2.
   REQUIRE(encoder.take(all, false));
   CHECK(encoder.number() == 3);
   PageReader page(kUnit, 4, 3);
@@ -309,7 +309,7 @@ TEST_CASE("command: what a page may say is understood", "[demos][view][unit]") {
   CHECK(std::get<Ping>(said(R"({"type":"ping","time":12.5})")).time == 12.5);
 }
 
-TEST_CASE("command: what is not valid is refused by name and changes nothing",
+TEST_CASE("command: an invalid command is refused by name and changes nothing",
           "[demos][view][fault]") {
   const Layout layout = table();
   CommandReader reader(layout);

@@ -58,7 +58,7 @@ struct Fixture {
     for (pbd::Pose& pose : frame.panes[0].poses) pose.position.setConstant(where);
     server.show(frame);
   }
-  /// What pages have said, once there is something.
+  /// Pages' commands, once there are any.
   std::vector<PageEvent> events(std::size_t least = 1) {
     std::vector<PageEvent> all;
     for (int i = 0; i < 500 && all.size() < least; ++i) {
@@ -91,7 +91,7 @@ TEST_CASE("view server: hostile requests", "[demos][view][socket]") {
 TEST_CASE("view server: a program that ends says so to its pages", "[demos][view][socket]") {
   auto f = std::make_unique<Fixture>();
   auto page = f->page();
-  // What a page hears of a close is its code: 1001, going away.
+  // A page sees the code of a close: 1001, going away.
   std::thread ending([&f] { f.reset(); });
   const auto start = page->bytes(4);
   page->send(std::string("\x88\x82", 2) + std::string(4, '\0') + "\x03\xe9");
@@ -150,7 +150,7 @@ TEST_CASE(
   }
   while (page->hear()) {
   }
-  // What came within the bounds is done, then it is gone.
+  // Commands within the bounds are executed, then the page is closed.
   std::vector<PageEvent> rest;
   for (int i = 0; i < 100 && (rest.empty() || std::holds_alternative<Command>(rest.back().what));
        ++i) {
@@ -222,7 +222,7 @@ TEST_CASE("view server: a thousand connections that ask for nothing keep no page
     page->close();
     REQUIRE_FALSE(f.events().empty());
   }
-  // Who was there all the time has lost nothing.
+  // The page that was open all the time has lost nothing.
   f.show(3, 1.0);
   CHECK(first->hear());
 }

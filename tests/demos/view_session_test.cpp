@@ -113,7 +113,7 @@ TEST_CASE("live session: what is pulled in one pane follows in the other, then b
   }
 }
 
-TEST_CASE("live session: who is gone holds nothing", "[demos][view][unit]") {
+TEST_CASE("live session: a page that is gone holds nothing", "[demos][view][unit]") {
   const OneCube scenario;
   LiveSession session(scenario, options_of(1));
   session.advance_to(0.5);
@@ -129,7 +129,7 @@ TEST_CASE("live session: who is gone holds nothing", "[demos][view][unit]") {
   session.advance_to(5.0);
   CHECK(session.grips(1) == 0);
   for (const std::size_t pane : {0, 1}) CHECK(position(session, pane).z() < 0.06);
-  // What it moves now is nobody's.
+  // The body that it moves now has no owner.
   pull_to(session, Vec3(0.0, 0.0, 1.0));
   session.advance_to(6.0);
   CHECK(position(session, 1).z() < 0.06);

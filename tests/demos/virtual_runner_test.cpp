@@ -71,7 +71,7 @@ TEST_CASE("virtual run: a reference is the same inputs at one peer", "[demos][go
   CHECK(reference.peers[0].first_exchange == INT64_MAX);
   CHECK(reference.peers[0].inputs.size() ==
         shared.peers[0].inputs.size() + shared.peers[1].inputs.size());
-  // Of what is at one peer already it is the same, bit for bit.
+  // For a run at one peer the reference is the same, bit for bit.
   options.peers = 1;
   const RunResult alone = run_virtual(scenario, options);
   CHECK(run_reference(scenario, options, alone).peers[0].hash == alone.peers[0].hash);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// Clocks: whatever peers say of theirs, session time goes on at about the speed of the own clock.
+// Clocks: whatever peers say of theirs, session time goes on at about the speed of the local clock.
 #include <cstdlib>
 
 #include "clock_sync.h"

@@ -77,7 +77,7 @@ TEST_CASE("mjcf: a ball has friction about each of its own axes, damping, and a 
   run(all.file, 3.0);
   CHECK(all.speed() < 1e-6);
 
-  // Beyond half a turn as well, about any axis.
+  // Also beyond half a turn, about any axis.
   Globe damped("damping='.1'");
   damped.spin(Vec3(3.0, -2.0, 1.0));
   run(damped.file, 2.0);

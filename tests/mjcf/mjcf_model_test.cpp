@@ -184,7 +184,7 @@ TEST_CASE("mjcf: slides behind a hinge turn with it", "[mjcf]") {
   CHECK_NOTHROW(end(slide + hinge + "<joint type='slide' axis='0 0 1'/>"));
 }
 
-TEST_CASE("mjcf: what a flag turns off is off", "[mjcf]") {
+TEST_CASE("mjcf: flags turn parts off", "[mjcf]") {
   const auto with = [](const std::string& flag, const std::string& inside) {
     return model(std::string("<option><flag ") + flag + "='disable'/></option><worldbody>" +
                  inside + "</worldbody>");
@@ -301,7 +301,7 @@ TEST_CASE("mjcf: what MuJoCo's schema does not know is left out, and told", "[mj
   CHECK(range.scene.joints().def(range.find_joint("j")).angular[0].freedom ==
         pbd::Freedom::Limited);
   CHECK(is_told(range, "autolimits is on"));
-  // In what a model includes as well.
+  // Also in an included model.
   const tandem::testing::Folder folder;
   folder.write("part.xml",
                "<mujoco><worldbody><body name='b'><joint actuatorfrcrange='-1 1'/>"

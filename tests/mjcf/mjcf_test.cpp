@@ -109,7 +109,7 @@ TEST_CASE("mjcf: a model has no more than it may", "[mjcf][errors]") {
   CHECK(told(&SceneLimits::pairs, 1).find("SceneLimits::pairs") != std::string::npos);
 }
 
-TEST_CASE("mjcf: what is none, or cannot be, is refused", "[mjcf][errors]") {
+TEST_CASE("mjcf: invalid models are refused", "[mjcf][errors]") {
   const auto refused = [](const std::string& text) {
     return refusal([&] { parse_mjcf(text, {}, "x.xml"); });
   };

@@ -10,11 +10,11 @@
 
 namespace mjcf_test {
 
-/// Of what stands within <mujoco>.
+/// A model with this content of <mujoco>.
 inline tandem::SceneFile model(const std::string& inside) {
   return tandem::parse_mjcf("<mujoco>" + inside + "</mujoco>");
 }
-/// Of what stands within <worldbody>.
+/// A model with this content of <worldbody>.
 inline tandem::SceneFile world(const std::string& inside) {
   return model(std::string("<worldbody>") + inside + "</worldbody>");
 }

@@ -33,7 +33,7 @@ constexpr PeerId kPerson = 1;                 // ranks are 2, 3, ...
 
 PeerId peer_of(int rank) { return static_cast<PeerId>(rank) + 2; }
 
-/// What one peer posts and hears; carry() takes it from rank to rank.
+/// Packets of one peer, sent and received; carry() takes them from rank to rank.
 class Lockstep final : public consensus::Transport {
  public:
   Lockstep(PeerId self, int ranks) : self_(self) {
@@ -234,7 +234,7 @@ TEST_CASE("cluster peer: a person pulls a crate through the parts of a cluster",
   CHECK((owner_changes > 0) == (cluster.count() > 1));
 }
 
-TEST_CASE("cluster peer: what is shared twice is refused", "[mpi]") {
+TEST_CASE("cluster peer: sharing twice is refused", "[mpi]") {
   Cluster cluster;
   cluster.start();
   Lockstep transport(peer_of(cluster.rank()), cluster.count());

@@ -92,7 +92,7 @@ void fill(Cluster& cluster, const Plans& plans, bool with_bodies = true) {
   }
   if (!with_bodies) return;
   for (std::size_t i = 0; i < plans.bodies.size(); ++i) {
-    // Whoever has it first: not who will own it.
+    // The rank that has it first, not its later owner.
     if (i % static_cast<std::size_t>(cluster.count()) != static_cast<std::size_t>(cluster.rank())) {
       continue;
     }
@@ -199,7 +199,7 @@ Plans heap() {
 }
 
 std::string folder() {
-  // Of the ranks' common starter.
+  // Set by the ranks' common parent.
   const char* given = std::getenv("TANDEM_TEST_FOLDER");
   return given != nullptr ? given : std::filesystem::temp_directory_path().string();
 }
@@ -424,7 +424,7 @@ TEST_CASE("cluster: a pyramid that is cut stands as one that is not", "[mpi]") {
   CHECK(cluster.totals().kinetic_energy < 1e-4);
 }
 
-TEST_CASE("cluster: what rests sleeps, cut or not, and says nothing", "[mpi]") {
+TEST_CASE("cluster: bodies at rest sleep, cut or not, and send nothing", "[mpi]") {
   Plans plans;
   for (int stack = 0; stack < 8; ++stack) {
     for (int level = 0; level < 3; ++level) {
@@ -450,7 +450,7 @@ TEST_CASE("cluster: what rests sleeps, cut or not, and says nothing", "[mpi]") {
   CHECK(bytes < 1500);
 }
 
-TEST_CASE("cluster: a ball wakes what sleeps on another rank", "[mpi]") {
+TEST_CASE("cluster: a ball wakes sleeping bodies of another rank", "[mpi]") {
   Plans plans;
   for (int i = 0; i < 6; ++i) plans.ball(0.1, Vec3(0.2 * i, 0.0, 0.1));
   plans.ball(0.1, Vec3(-4.0, 0.0, 0.1), Vec3(4.0, 0.0, 0.0));

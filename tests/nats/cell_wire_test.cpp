@@ -22,7 +22,7 @@ Bytes whole(const Summary& summary) {
   return out;
 }
 
-TEST_CASE("cell wire: what is said is heard", "[nats]") {
+TEST_CASE("cell wire: encoded messages are decoded", "[nats]") {
   Bytes bytes;
   encode(Presence{.sent = -5, .position = Vec3(1.0, -2.0, 3.0), .hears = 8.0}, bytes);
   const auto presence = decode_presence(bytes);

@@ -37,7 +37,7 @@ TEST_CASE("subjects: that of a cell begins with those of all that it lies in", "
   CHECK(part == whole + ".7");
   CHECK(subjects.path(cell_at(options, at, 0)) == part + ".2");
   CHECK(subjects.who(cell_at(options, at)) == "t.0000000000000abc.who." + part + ".2");
-  // Of two cells none is called alike.
+  // No two cells have the same name.
   std::set<std::string> all;
   for (int x = -20; x < 20; ++x) {
     for (int y = -20; y < 20; ++y) CHECK(all.insert(subjects.path({0, x, y})).second);

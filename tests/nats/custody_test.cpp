@@ -83,7 +83,8 @@ void lay(const PlazaOptions& options, std::uint16_t port, const Vec3& ball) {
 const PlazaOptions kOptions{.people = 3, .bodies = kBall + 1};
 const Vec3 kAt(6.0, 6.0, PlazaBody::kHalf);  ///< the ball, in the middle of a cell
 
-TEST_CASE("A body that is carried for long stays its keeper's, whom not all hear", "[nats]") {
+TEST_CASE("A body carried for long stays its keeper's, even where the keeper is not heard",
+          "[nats]") {
   if (!has_server()) return;
   Server server;
   lay(kOptions, server.port(), kAt);
@@ -110,7 +111,7 @@ TEST_CASE("A body that is carried for long stays its keeper's, whom not all hear
   CHECK(passer.ledger.known(kId)->keeper == 1);
   CHECK_FALSE(passer.has_it());
   CHECK(keeper.has_it());
-  // Who is gone without a word keeps it for 3 s and no longer.
+  // A keeper that vanishes keeps it for 3 s and no longer.
   step(1.5, false);
   CHECK_FALSE(passer.has_it());
   step(2.0, false);

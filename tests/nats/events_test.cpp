@@ -44,8 +44,7 @@ std::size_t hear(CellEvents& events, Heard& heard) {
   return all.size();
 }
 
-TEST_CASE("events in cells: what nobody takes waits at the server, and is lost to nobody",
-          "[nats]") {
+TEST_CASE("events in cells: events not taken yet wait at the server, and none is lost", "[nats]") {
   if (!has_server()) return;
   Server server;
   CellEvents first(event_options(server.port(), 1));
@@ -234,7 +233,7 @@ TEST_CASE("events in cells: bytes that are no event are refused, and numbers of 
   for (event.source = 100; event.source < 3000; ++event.source) CHECK(log.is_new(event));
 }
 
-TEST_CASE("events in cells: what cannot be is refused by name", "[nats][fault]") {
+TEST_CASE("events in cells: invalid events are refused by name", "[nats][fault]") {
   CellEventOptions options = event_options(4222, 1);
   options.self = 0;
   CHECK(names(refusal([&] { options.validate(); }), "self", "0", "not 0"));

@@ -46,8 +46,9 @@ struct Organised {
   }
 };
 
-TEST_CASE("nats: who is revoked is heard no more, in nobody's name, and who missed it comes back",
-          "[nats][fault]") {
+TEST_CASE(
+    "nats: a revoked member is not heard under any name, and one that missed the change comes back",
+    "[nats][fault]") {
   if (!has_server()) return;
   Server server;
   Organised session;
@@ -119,7 +120,7 @@ class Recording {
   NatsOwned<natsSubscription> subscription_;
 };
 
-TEST_CASE("nats: what the server repeats brings nobody back", "[nats][fault]") {
+TEST_CASE("nats: messages repeated by the server bring nobody back", "[nats][fault]") {
   if (!has_server()) return;
   Server server;
   const NatsOptions options = options_of(server.port(), 1);

@@ -42,7 +42,7 @@ struct Process {
   GroupSealer sealer;
 };
 
-/// Who hears them all. Nobody is connected at first.
+/// A listener that hears them all. Nobody is connected at first.
 struct Listener {
   explicit Listener(std::int64_t from = kStart) : opener(from), now(from) {}
 
@@ -129,7 +129,7 @@ TEST_CASE("group seal: of two lives of a peer nothing opens twice, in any order"
   }
 }
 
-TEST_CASE("group seal: who begins to listen opens nothing of before", "[nats][fault]") {
+TEST_CASE("group seal: a new listener opens no earlier messages", "[nats][fault]") {
   const net::Credentials own = member(1);
   Process sender(5, 2);
   std::vector<Bytes> said;
@@ -215,7 +215,7 @@ TEST_CASE("group seal: memory for senders has an end, and what is forgotten does
   for (const Bytes& each : said) REQUIRE(listener.hear(each, own) != Now);
 }
 
-TEST_CASE("group seal: what is kept on the server opens for whoever asks for it", "[nats]") {
+TEST_CASE("group seal: records kept on the server open for every reader", "[nats]") {
   const net::Credentials own = member(1);
   Process sender(5, 2);
   const Bytes kept = sender.say(own, 1);

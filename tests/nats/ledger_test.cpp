@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 //
-// No body is lost and none is in two places, whoever writes and whatever becomes of the server.
+// No body is lost and none is in two places, with any writers and any fault of the server.
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -49,7 +49,7 @@ std::vector<LedgerNews> news_of(BodyLedger& ledger, const SharedId& id) {
   return all;
 }
 
-/// What somebody finds who looks at all cells anew.
+/// Bodies found by a new look at all cells.
 std::map<SharedId, std::vector<LedgerRecord>> census(const LedgerOptions& options, int cells) {
   BodyLedger ledger(options);
   for (int x = -1; x <= cells; ++x) {
@@ -98,7 +98,7 @@ TEST_CASE("ledger: where the server keeps no events, records are written, and it
   CHECK(second.waiting() < 30);
 }
 
-TEST_CASE("ledger: who comes into a cell finds what was left there", "[nats]") {
+TEST_CASE("ledger: a newcomer to a cell finds the bodies left there", "[nats]") {
   if (!has_server()) return;
   Server server;
   const LedgerOptions options = ledger_options(server.port());
@@ -128,7 +128,7 @@ TEST_CASE("ledger: who comes into a cell finds what was left there", "[nats]") {
   CHECK(all.at(body(1)).size() == 1);
 }
 
-TEST_CASE("ledger: of two who take a body at once one is refused and told who has it", "[nats]") {
+TEST_CASE("ledger: if two take a body at once, one is refused and told the keeper", "[nats]") {
   if (!has_server()) return;
   Server server;
   std::vector<std::unique_ptr<BodyLedger>> all;

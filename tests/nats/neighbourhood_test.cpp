@@ -80,7 +80,7 @@ TEST_CASE("neighbourhood: who is near is met, from both ends, and nobody else", 
       if (other == id) continue;
       const double apart = (place - there).norm();
       const bool met = crowd.met_[id].contains(other);
-      // What one walks in a tick is heard in the next one.
+      // A step of one tick is heard in the next one.
       if (apart < options.near - 0.3) CHECK(met);
       if (apart > options.near + options.slack + 0.3) CHECK_FALSE(met);
       pairs += met ? 1 : 0;

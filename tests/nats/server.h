@@ -23,7 +23,7 @@ extern char** environ;
 
 namespace tandem::nats::testing {
 
-/// Where Debian has it is on no user's path.
+/// Debian installs it outside users' paths.
 inline std::string server_program() {
   for (const char* path :
        {"/usr/sbin/nats-server", "/usr/bin/nats-server", "/usr/local/bin/nats-server"}) {

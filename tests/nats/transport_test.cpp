@@ -66,7 +66,7 @@ TEST_CASE("nats: who walks away is parted from, and met again where he comes bac
   REQUIRE(eventually([&] { return linked(a, b); }));
 }
 
-TEST_CASE("nats: who has another session key meets nobody", "[nats][fault]") {
+TEST_CASE("nats: a peer with another session key meets nobody", "[nats][fault]") {
   if (!has_server()) return;
   Server server;
   NatsTransport a(options_of(server.port(), 1));

@@ -156,7 +156,7 @@ Quantiles quantiles(std::vector<std::int64_t> values) {
           .most = values.back()};
 }
 
-/// Of the session times of 1 and 2, while `clocks` runs.
+/// Difference of the session times of 1 and 2, while `clocks` runs.
 Quantiles error_over(Clocks& clocks, std::int64_t duration) {
   std::vector<std::int64_t> errors;
   clocks.each_step = [&] {
@@ -318,14 +318,14 @@ TEST_CASE("clock sync: one liar of four, of the lowest id, moves nobody", "[net]
   clocks.run(30 * kSecond);
   for (PeerId peer = 2; peer <= 4; ++peer) {
     INFO("peer " << peer << " lie " << kind);
-    // What their own clocks drift by in 30 s, and the crossing of the tolerance of the vote.
+    // Drift of their own clocks in 30 s, and the crossing of the tolerance of the vote.
     CHECK(std::llabs(clocks.session(peer) - clocks.now - before) < 8 * kMs);
     CHECK(std::llabs(clocks.session(peer) - clocks.session(2)) < 2 * kMs);
     CHECK(clocks.status(peer).jumps <= 1);
   }
 }
 
-TEST_CASE("clock sync: of two, a liar bends time by the slew and no more", "[net][clock][fault]") {
+TEST_CASE("clock sync: of two, a liar bends time by the slew at most", "[net][clock][fault]") {
   Clocks clocks({.least = 5 * kMs, .jitter = kMs});
   clocks.start(1, 0.0);
   clocks.start(2, 0.0);

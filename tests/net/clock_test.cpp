@@ -69,8 +69,8 @@ TEST_CASE("clock: a late call gives several steps that make up for it", "[net][u
 
 TEST_CASE("clock: steps are several nominal ones where single ones would not catch up",
           "[net][unit]") {
-  // 200 ms are 12 steps of 16 ms, and 8 may be made: six of 32. Of 500 ms, 31 steps, 8 of 32 ms are
-  // made, and 15 steps are left to the next call.
+  // 200 ms are 12 steps of 16 ms, and 8 may be made: six of 32. For 500 ms, 31 steps, 8 steps of 32
+  // ms are made, and 15 steps are left to the next call.
   PhysicsClock clock({.nominal_step = 16 * kMs, .max_step = 32 * kMs}, kAligned);
   CHECK(steps(clock.advance(kAligned + 200 * kMs)) == std::vector<std::int64_t>(6, 32 * kMs));
   const ClockTick tick = clock.advance(kAligned + 192 * kMs + 500 * kMs);
@@ -185,7 +185,7 @@ TEST_CASE("clock: the session clock never goes back", "[net][unit]") {
   CHECK_THROWS_AS(SessionClock(SessionClock::Source{}), std::invalid_argument);
 }
 
-TEST_CASE("clock: session time goes on with the steady clock, whoever sets the other one",
+TEST_CASE("clock: session time follows the steady clock, however the other one is set",
           "[net][unit]") {
   using std::chrono::steady_clock;
   SessionClock clock;

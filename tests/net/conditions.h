@@ -6,7 +6,7 @@
 
 namespace conditions_test {
 
-/// What a network does to what goes over it, each way.
+/// Effects of a network on its datagrams, each way.
 struct Condition {
   const char* name;
   double lag = 0.0;        // s, one way

@@ -119,7 +119,7 @@ TEST_CASE("conditions: over UDP messages come in order and once, states once and
     CHECK(next == messages);
     CHECK(messages >= posted / 4 - 1);
     CHECK(repeated == 0);
-    // Those that are not lost; where the rate is short, what it bears of 60 a second of 187 bytes.
+    // The states that are not lost; if the rate is low, its share of 60 a second of 187 bytes.
     const double borne = condition.kbit > 0.0 ? std::min(1.0, 0.5 * condition.kbit / 90.0) : 1.0;
     const double expected = (1.0 - condition.loss) * borne * static_cast<double>(posted);
     CHECK(static_cast<double>(states.size()) >= 0.9 * expected - 10.0);

@@ -106,7 +106,7 @@ TEST_CASE(
   CHECK(static_cast<double>(states.size()) > 0.5 * static_cast<double>(posted));
 }
 
-TEST_CASE("connection: no more leaves than the budget, and what is old does not", "[net]") {
+TEST_CASE("connection: the budget is kept, and old states are not sent", "[net]") {
   const double kbit = 64.0;
   Pair pair({}, {.congestion = {.min_kbit = 16, .max_kbit = kbit}});
   std::uint64_t posted = 0;
@@ -283,7 +283,7 @@ TEST_CASE("connection: junk, replays and packets of others change nothing", "[ne
         CHECK_FALSE(pair.b.on_datagram(recorded[dice.below(recorded.size())], pair.now));
       }
     }
-    // What b has had 20 ms ago is recorded and comes again for ever.
+    // Packets that b received 20 ms ago are recorded and repeated without end.
     for (auto out = pair.a.poll(pair.now); !out.empty(); out = pair.a.poll(pair.now)) {
       recorded.push_back(copy(out));
       REQUIRE(pair.b.on_datagram(recorded.back(), pair.now));
@@ -412,7 +412,7 @@ TEST_CASE("connection: who sends more than a member may is heard so much, then t
   CHECK(got <= 4096 + 16384 + 400);
   pair.run(3 * kSecond);
   CHECK(got <= 4096 + 4 * 16384 + 400);
-  // What is not acknowledged is sent more slowly: nobody comes to harm, and nothing is lost.
+  // Unacknowledged messages are sent more slowly: there is no harm, and nothing is lost.
   if (reliable) {
     CHECK(got > 4096);
     CHECK(pair.b.state() == UdpConnection::State::Open);

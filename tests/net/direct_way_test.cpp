@@ -28,7 +28,7 @@ constexpr std::int64_t kServer = 10 * kMs;  // one way
 constexpr std::int64_t kStraight = 2 * kMs;
 constexpr std::int64_t kStep = 16 * kMs;
 
-/// What one of two has heard of the other.
+/// Packets that one of two has received from the other.
 struct Heard {
   std::vector<std::uint64_t> reliable;
   std::map<std::uint64_t, int> states;  ///< how often each
@@ -219,7 +219,7 @@ TEST_CASE(
   pair.run(10 * kSecond);
   CHECK((pair.both_direct() || loss > 0.1));
   // DirectWay::patience() of this way, a step before and after it, and the way over the server:
-  // what is lost in a row just before is waited for as well.
+  // packets lost in a row just before are also waited for.
   for (const Heard& each : pair.heard) {
     CHECK(each.longest_gap <= 120 * kMs + 2 * kStep + 2 * kServer);
   }
@@ -252,7 +252,7 @@ TEST_CASE("direct way: one that comes and goes is left alone for longer and long
   check_nothing_lost(pair);
 }
 
-TEST_CASE("direct way: who is not near is told no address, however much he wants it, and not asked",
+TEST_CASE("direct way: a distant peer is told no address, however often it asks, and is not asked",
           "[udp][fault]") {
   Neighbours pair;
   pair.wanted = {false, true};

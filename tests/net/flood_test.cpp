@@ -37,7 +37,7 @@ std::size_t in_use() {
 #endif
 }
 
-/// One of `count` hosts that are nobody's of the session.
+/// One of `count` hosts outside the session.
 Address stranger(std::uint64_t number) {
   Address out = address_of(1);
   out.ip[12] = 172;
@@ -47,7 +47,7 @@ Address stranger(std::uint64_t number) {
   return out;
 }
 
-/// What somebody can write who has no key and sees no answer, and what somebody has recorded.
+/// Packets that an attacker can write without a key or an answer, and recorded ones.
 class Flood {
  public:
   explicit Flood(World& world) : world_(world) {
@@ -319,8 +319,7 @@ TEST_CASE(
   CHECK(world.node(1).strangers().refused == 0);
 }
 
-// What a datagram of a stranger costs, for docs/history/network-figures.md: never a test's
-// business.
+// The cost of a stranger's datagram, for docs/history/network-figures.md; not a test.
 TEST_CASE("measure: processor time of a stranger's datagram", "[.measure]") {
   World world({.delay = kMs});
   world.start(1);

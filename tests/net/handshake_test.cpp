@@ -133,8 +133,7 @@ TEST_CASE("handshake: it gets through half of the datagrams lost", "[net][fault]
   CHECK(done == 20);
 }
 
-TEST_CASE("handshake: the listener keeps nothing for whoever has not proved his address",
-          "[net][fault]") {
+TEST_CASE("handshake: the listener keeps no state before the address is proved", "[net][fault]") {
   Listener two(config(2, 2));
   Dice dice(5);
   Bytes hello;
@@ -150,7 +149,7 @@ TEST_CASE("handshake: the listener keeps nothing for whoever has not proved his 
   CHECK(two.responder.counters().challenged == 100'000);
 }
 
-TEST_CASE("handshake: nobody is kept out by what comes in his address", "[net][fault]") {
+TEST_CASE("handshake: forged packets from a peer's address do not keep it out", "[net][fault]") {
   // 2000 a second of somebody who has no key and does not see what is answered.
   const auto one = config(1, 1);
   Listener two(config(2, 2));
@@ -341,7 +340,7 @@ TEST_CASE("handshake: refusals say why at both ends", "[net][fault]") {
   expect(config(1, 1), c, Verdict::Full);
 }
 
-TEST_CASE("handshake: another version is told, and whoever forges that tells nothing",
+TEST_CASE("handshake: another version is reported, and a forged report has no effect",
           "[net][fault]") {
   const auto one = config(1, 1);
   Listener two(config(2, 2));
@@ -366,7 +365,7 @@ TEST_CASE("handshake: another version is told, and whoever forges that tells not
 TEST_CASE("handshake: keys are never had twice, even where one end repeats its random numbers",
           "[net][fault]") {
   // A restart, a second start in one process, a virtual machine set back: end one does the same
-  // again, byte for byte. What end two adds makes the keys, and so all nonces, new.
+  // again, byte for byte. End two's randomness makes the keys, and so all nonces, new.
   std::set<std::array<std::uint8_t, 32>> keys;
   const auto remember = [&keys](const crypto::Secret& key) {
     std::array<std::uint8_t, 32> bytes{};

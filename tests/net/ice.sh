@@ -98,7 +98,7 @@ $turn
 file = "log$side"
 CONFIG
 done
-# Who asks before it listens is told nothing.
+# A peer that asks before it listens gets no answer.
 for ((i = 0; i < 40; ++i)); do
   if ip netns exec "$net" ss -lun 2>/dev/null | grep -q '192.0.2.1:3478'; then break; fi
   sleep 0.25
@@ -127,7 +127,7 @@ met 1 && met 2 || {
   tail -n 20 "$folder"/log[12] "$folder/turn.out" >&2
   exit 1
 }
-# What it says and what is: who meets straight must not go by the server.
+# Report and reality: peers with a direct path must not go through the server.
 route=$(grep -h 'event=ice.*state=connected' "$folder"/log[12])
 if [[ $way == stun ]] && grep -q relay <<<"$route"; then
   echo "they met by the relay" >&2

@@ -49,7 +49,7 @@ void certify(UdpNodeOptions& options) {
   options.handshake.today = [] { return kToday; };
 }
 
-/// What `by` has of `from`, and as what.
+/// Packets that `by` has received from `from`, by role.
 std::vector<Packet> drained(World& world, PeerId by, PeerId from) {
   std::vector<Packet> all;
   world.node(by).drain(all);
@@ -165,7 +165,7 @@ TEST_CASE("membership: an id that was chosen is kept by who is there, a derived 
   CHECK(ask(liar) == Verdict::Welcome);
 }
 
-TEST_CASE("membership: an honest owner of an id is back within two seconds, whoever wants it",
+TEST_CASE("membership: an honest owner of an id is back within two seconds despite a rival",
           "[net][fault]") {
   const bool lists = GENERATE(false, true);
   const auto own = crypto::make_key_pair(seeded(900));
@@ -277,7 +277,7 @@ TEST_CASE("membership: an organiser's certificate lets in, as what it says, unti
   CHECK(linked(world, 1, 2));
 }
 
-TEST_CASE("membership: a relay can be nobody's other end, whether keys are listed or not",
+TEST_CASE("membership: a relay cannot be an end of others' connection, with listed keys or without",
           "[net][fault]") {
   // The relay is a member: it has the session key, and makes up whatever keys it likes. It plays
   // both ends towards peer 3, as from peer 1.
@@ -304,7 +304,7 @@ TEST_CASE("membership: a relay can be nobody's other end, whether keys are liste
   }
   liar.complete(1);
   HandshakeInitiator as_one(liar, seeded(4), 7, world.now);
-  // What 3 answers goes to the relay, sealed for the relay: taken where it is sealed.
+  // The answers of 3 go to the relay, sealed for the relay.
   const Address behind = relayed_address(1);
   UdpNodeOptions three;
   three.handshake.self = 3;
@@ -405,7 +405,7 @@ TEST_CASE("membership: a revoked member reads nothing from one second after, and
   world.run(3 * kSecond);
   CHECK_FALSE(status(world.node(1), 4).connected);
 
-  // Who was away comes back with the old key, hears of it, and is met by all.
+  // A peer that was away comes back with the old key, hears of the change, and is met by all.
   world.change = certify;
   world.start(5, 2).dial(address_of(1), world.now);
   world.run(10 * kSecond);
@@ -449,7 +449,7 @@ TEST_CASE("membership: a group change that the organiser has not signed moves no
   CHECK(world.node(1).credentials().group == 0);
   CHECK(linked(world, 1, 2));
   CHECK(reason(world, 1, 3) == "dropped: group change that the organiser has not signed");
-  // An older one is no news, and one of another session is nobody's.
+  // An older one has no effect, nor has one of another session.
   const auto second = sign({.number = 2, .session_key = key(5)}, kOrganiser);
   const auto first = sign({.number = 1, .session_key = key(6)}, kOrganiser);
   const auto elsewhere = sign({.number = 5, .session = 43, .session_key = key(6)}, kOrganiser);

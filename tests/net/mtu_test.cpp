@@ -49,7 +49,7 @@ UdpConnectionOptions fast() {
 
 }  // namespace
 
-TEST_CASE("mtu: what the way carries is found to 16 bytes, through loss as well", "[net]") {
+TEST_CASE("mtu: the path's limit is found to 16 bytes, also under loss", "[net]") {
   const std::size_t mtu = GENERATE(548u, 700u, 1199u, 1200u, 1300u, 1452u, 1471u, 1472u, 9000u);
   const double loss = GENERATE(0.0, 0.1);
   Pair pair({.delay = 20 * kMs, .loss = loss, .mtu = mtu}, fast());
@@ -60,7 +60,7 @@ TEST_CASE("mtu: what the way carries is found to 16 bytes, through loss as well"
   CAPTURE(mtu, loss, found);
   CHECK(found <= best);
   CHECK(found + MtuSearch::kFine > best);
-  // Probes that are lost do not take the rate: they are nobody's congestion.
+  // Probes that are lost do not take the rate: they are not congestion.
   if (loss == 0.0 && mtu >= MtuSearch::kBase) CHECK(pair.a.congestion().rate() == 4000.0);
   CHECK(pair.a.state() == UdpConnection::State::Open);
 }

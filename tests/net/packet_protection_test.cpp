@@ -28,7 +28,7 @@ bool opens(PacketOpener& opener, const Bytes& datagram) {
   return opener.open(datagram, buffer).has_value();
 }
 
-/// What the window ought to say, from a list of everything had.
+/// The window's expected answer, from a list of everything received.
 class BruteWindow {
  public:
   bool fresh(std::uint64_t sequence) const {
@@ -46,7 +46,7 @@ class BruteWindow {
 }  // namespace
 
 TEST_CASE("protection: sealed bytes are those of another implementation", "[net][golden]") {
-  // Of OpenSSL 3.0: ChaCha20-Poly1305 with the nonce 00000000 | counter, little-endian.
+  // Computed by OpenSSL 3.0: ChaCha20-Poly1305 with the nonce 00000000 | counter, little-endian.
   crypto::Secret key;
   for (std::size_t i = 0; i < crypto::kKeyBytes; ++i) {
     key.bytes()[i] = static_cast<std::uint8_t>(0x80 + i);

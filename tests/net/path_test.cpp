@@ -22,7 +22,7 @@ using tandem::consensus::PeerId;
 
 namespace {
 
-/// Where nobody of the session is to begin with.
+/// An address outside the session at the start.
 Address elsewhere(std::uint8_t host) {
   Address out = address_of(host);
   out.ip[12] = 192;
@@ -117,7 +117,7 @@ TEST_CASE("path: a peer whose address changes goes on in the same connection, an
   CHECK(talk.posted() > 600);
   // No handshake was made for it.
   CHECK(world.node(1).strangers().challenged + world.node(2).strangers().challenged == strangers);
-  // Who comes later is told where it is now.
+  // Later peers are told where it is now.
   world.start(4).dial(address_of(1), world.now);
   world.run(2 * kSecond);
   CHECK(linked(world, 4, 2));

@@ -61,7 +61,7 @@ class Here {
 
 }  // namespace
 
-TEST_CASE("tcp: who was here before has a place, whoever has taken all meanwhile", "[net][fault]") {
+TEST_CASE("tcp: a returning peer has a place even if all were taken meanwhile", "[net][fault]") {
   Here here;
   REQUIRE(here.join(2, 2));
   REQUIRE(here.join(3, 3));

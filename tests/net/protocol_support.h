@@ -58,7 +58,7 @@ inline std::vector<std::uint8_t> unhex(const char* digits) {
   return out;
 }
 
-/// Where a peer is in tests.
+/// Address of a peer in tests.
 inline tandem::net::Address address_of(tandem::consensus::PeerId peer) {
   return {
       .ip = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 10, 0, 0, static_cast<std::uint8_t>(peer)},

@@ -53,7 +53,7 @@ TEST_CASE("session: a signal stops, and leaves nothing behind", "[net][unit]") {
 #ifdef _WIN32
 TEST_CASE("session: a console that closes stops", "[net][unit]") {
   StopSignal stop;
-  // What Windows starts in a thread of each process of the console. The thread stays until the
+  // Windows runs this in a thread of each process of the console. The thread stays until the
   // process ends.
   const auto routine = reinterpret_cast<LPTHREAD_START_ROUTINE>(
       reinterpret_cast<void*>(GetProcAddress(GetModuleHandleW(L"kernelbase"), "CtrlRoutine")));

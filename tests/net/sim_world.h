@@ -48,9 +48,9 @@ class World {
         });
     return *nodes_[peer];
   }
-  /// Of all that start from then on.
+  /// For all processes that start from then on.
   std::function<void(tandem::net::UdpNodeOptions&)> change = [](auto&) {};
-  /// Hears all that is sent, whoever it is for.
+  /// Hears all datagrams, for any receiver.
   std::function<void(const Bytes&)> tap = [](const Bytes&) {};
   /// Its packets leave from there from now on, and reach it there alone.
   void move(tandem::consensus::PeerId peer, const tandem::net::Address& to) { moved_[peer] = to; }
@@ -58,7 +58,7 @@ class World {
     const auto at = moved_.find(peer);
     return at != moved_.end() ? at->second : address_of(peer);
   }
-  /// What arrives there is kept for arrived().
+  /// Datagrams that arrive there are kept for arrived().
   void watch(const tandem::net::Address& address) { watched_.insert(address); }
   std::vector<Bytes> arrived(const tandem::net::Address& from, const tandem::net::Address& to) {
     return path(from, to).arrived(now);

@@ -80,7 +80,7 @@ class Relay {
   bool pump(Way& way) {
     const auto now = Clock::now();
     pollfd readable{.fd = way.from, .events = POLLIN, .revents = 0};
-    // What waits for its turn fills the sender's queue, as in any network.
+    // Waiting packets fill the sender's queue, as in any network.
     if (way.flying.size() < 64 && ::poll(&readable, 1, 0) > 0) {
       raw::Bytes bytes(1400);
       const ssize_t n = ::recv(way.from, bytes.data(), bytes.size(), 0);

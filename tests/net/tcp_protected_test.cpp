@@ -325,7 +325,7 @@ TEST_CASE("protected tcp: a frame that was tampered with ends the connection and
   }
 }
 
-TEST_CASE("protected tcp: a recording is worth nothing, to a new process least of all",
+TEST_CASE("protected tcp: a replayed recording has no effect, least of all on a new process",
           "[net][socket][fault]") {
   const raw::LeakCheck leaks;
   Middle::Record record;

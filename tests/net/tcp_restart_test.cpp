@@ -122,7 +122,7 @@ TEST_CASE("tcp: a restarted peer replaces the connection of its dead predecessor
   const auto goodbye = dead.read(raw::kGoodbye);
   REQUIRE(goodbye);
   CHECK(raw::as_text(goodbye->payload) == "replaced by a newer connection");
-  // What the predecessor still sends is not taken.
+  // Late packets of the predecessor are not taken.
   dead.send(raw::frame(raw::kNewest, raw::text("ghost")));
   REQUIRE(restarted.send(raw::frame(raw::kNewest, raw::text("new"))));
   const std::vector<Packet> got = raw::receive(a, 2);

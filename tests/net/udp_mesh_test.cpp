@@ -17,7 +17,7 @@ using tandem::consensus::PeerId;
 
 namespace {
 
-/// Whose public key everybody knows: nobody can pretend to be them, on whatever way.
+/// Peers with known public keys: nobody can impersonate them, on any path.
 void list_all(UdpNodeOptions& options) {
   for (PeerId peer = 1; peer <= 9; ++peer) {
     options.handshake.trusted[peer] = identity_of(peer).public_key;
@@ -110,7 +110,7 @@ TEST_CASE("udp node: peers without a route go through one that has it, and strai
 TEST_CASE("udp node: a relay that alters, repeats or invents is heard by nobody", "[net][fault]") {
   World world({.delay = 10 * kMs});
   begin_relayed(world);
-  // What peer 2 might do: hand over as "from 1" what it likes.
+  // A possible attack by peer 2: hand over forged packets as "from 1".
   Dice dice(4);
   std::uint64_t posted = 0;
   std::uint64_t got = 0;
@@ -147,7 +147,7 @@ TEST_CASE("udp node: no relay where any of the three was told not to", "[net]") 
   world.run(8 * kSecond);
   CHECK_FALSE(linked(world, 1, 3));
   CHECK(linked(world, 1, 2));
-  // What peer 2 passes on where 1 or 3 refuses is not answered: they never link.
+  // If 1 or 3 refuses, packets that peer 2 passes on are not answered: they never link.
   if (refuses == 2) CHECK(world.node(2).relay().counters().forwarded == 0);
 }
 

@@ -104,7 +104,7 @@ TEST_CASE("udp node: a peer whose clock was set back is let in once its predeces
   CHECK(linked(world, 1, 2));
 }
 
-TEST_CASE("udp node: whoever starts again after its clock was set acts again within three seconds",
+TEST_CASE("udp node: a peer restarted after its clock was set acts again within three seconds",
           "[net][clock][fault]") {
   constexpr std::int64_t kDay = 86'400 * kSecond;
   const std::int64_t step = GENERATE(-30 * kDay, -60 * kSecond, 60 * kSecond, 30 * kDay);
@@ -209,7 +209,7 @@ TEST_CASE("udp node: a member that makes up ids keeps nobody out and is forgotte
   CHECK(linked(world, 1, 2));
 }
 
-TEST_CASE("udp node: who was here before has a place, whoever has taken all meanwhile",
+TEST_CASE("udp node: a returning peer has a place even if all were taken meanwhile",
           "[net][fault]") {
   World world({.delay = kMs});
   world.start(1, 1, 4);
@@ -341,7 +341,7 @@ TEST_CASE("udp node: reliable messages outlive connections, each once and in ord
   int outages = 0;
   world.each_step = [&] {
     for (const PeerId peer : {PeerId{1}, PeerId{2}}) {
-      // Of several pieces, so that connections break in the middle of one.
+      // Messages of several pieces, so that connections break in the middle of one.
       if (world.now % (20 * kMs) == 0 && world.now < 60 * kSecond) {
         Bytes message = number(posted[peer]);
         message.resize(8 + posted[peer] % 3000);

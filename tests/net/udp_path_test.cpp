@@ -201,7 +201,7 @@ TEST_CASE("udp path: peers meet over a way that is no address, and a third one t
     for (const Packet& packet : packets) got += packet.bytes == message ? 1 : 0;
     return got == 2;
   }));
-  // Of this way nothing is known but that it carries what all do.
+  // Nothing is known of this path except that it carries what every path does.
   CHECK(b->max_packet_bytes(Delivery::Newest) == 1154);
   b.reset();
   CHECK(eventually([&] { return !connected(a, 2); }));

@@ -43,7 +43,7 @@ UdpOptions options(PeerId self, const std::vector<std::uint16_t>& dial = {}) {
   return out;
 }
 
-/// Whose keys all others know: what relays pass on between them is nobody else's.
+/// Peers whose keys all others know: nobody else can use packets that relays pass on between them.
 UdpOptions listed(UdpOptions out) {
   out.identity = key(static_cast<std::uint8_t>(out.self));
   for (PeerId peer = 1; peer <= 3; ++peer) {
@@ -219,7 +219,7 @@ TEST_CASE("udp: a live session under junk, oversized datagrams, questions and re
   CHECK(a.strangers().bad_proof == 0);
   if (!filtered) CHECK(a.strangers().malformed > 1000);
 #ifdef __linux__
-  // What begins like a packet came so far once in 65536 times only.
+  // A datagram passed as a packet only once in 65536 times so far.
   if (filtered) CHECK(a.strangers().unknown < 10);
 #endif
 }
@@ -232,7 +232,7 @@ TEST_CASE("udp: one address is enough to meet all, and all have one time", "[net
     peers.push_back(std::make_unique<UdpTransport>(options(self, {port})));
     port = peers.back()->local_port();  // a chain
   }
-  // Who met peer 4 first may follow its clock until peer 1's is known as well.
+  // A peer that met peer 4 first may follow its clock until peer 1's is known too.
   REQUIRE(eventually([&] {
     for (const auto& peer : peers) {
       std::size_t connected = 0;
@@ -244,7 +244,7 @@ TEST_CASE("udp: one address is enough to meet all, and all have one time", "[net
     return first.clock().synchronised;
   }));
   for (const auto& peer : peers) {
-    // Of what was certain when the clock was read; between two readings this thread may sleep.
+    // By the bound when the clock was read; between two readings this thread may sleep.
     const auto before = first.session_now();
     const auto mine = peer->clock();
     const auto after = first.session_now();

@@ -84,7 +84,7 @@ ClothDef = struct("ClothDef", pose=Pose, width=c_double, height=c_double, column
                   restitution=c_double, filter=Filter)
 RagdollDef = struct("RagdollDef", pose=Pose, height=c_double, mass=c_double, damping=c_double,
                     friction=c_double, restitution=c_double, filter=Filter)
-# Of sessions:
+# Functions of sessions:
 SessionDef = struct("SessionDef", rate=c_double, peer=PeerDef, make=c_void_p, remove=c_void_p,
                     max_spawned=c_uint32, max_spawned_of_one=c_uint32, clock=c_void_p,
                     user=c_void_p)

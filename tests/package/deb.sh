@@ -18,7 +18,7 @@ if [[ $preset == arm64_shared ]]; then
   options=(-DCMAKE_TOOLCHAIN_FILE="$root/cmake/cross/aarch64-linux.cmake" -DEigen3_DIR=/usr/share/eigen3/cmake)
   runner=(qemu-aarch64 -L /usr/aarch64-linux-gnu)
 fi
-# What is packed, and nothing else.
+# The packed files, and nothing else.
 targets=(tandem_scene tandem_session tandem_obj tandem_scene_files tandem_c_session tandem_c_files)
 known=$(cmake --build "$build" --target help)
 for program in cliff cubes piano pile room tennis tandem-key tandem-peer tandem-replay tandem-room tandem-room-peer; do
@@ -100,7 +100,7 @@ else
   echo "deb: no page of rooms in it (target tandem_room_page of preset web)"
 fi
 if command -v lintian >/dev/null; then
-  # Errors alone. Who packages them is told when they are published.
+  # Errors alone. The packager is named when they are published.
   lintian --fail-on error --suppress-tags bogus-mail-host,no-changelog "${packages[@]}" \
     >"$scratch/log" 2>&1 || fail_with_log "lintian has errors"
   echo "deb: lintian has no error and $(grep -c '^W:' "$scratch/log" || true) warnings"

@@ -23,7 +23,7 @@ web() {
   NODE_PATH=/usr/share/nodejs env -u CMAKE_CXX_COMPILER_LAUNCHER cmake --preset web
   cmake --build --preset web --target "$1"
 }
-# What is compiled for another system, or into a package, wants sources that not every place can fetch.
+# Builds for another system, or into a package, need sources that cannot be fetched everywhere.
 sources() {
   bash cmake/install-deps.sh --with-cross
   bash bindings/web/fetch-sources.sh build/web_sources || {

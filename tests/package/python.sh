@@ -12,7 +12,7 @@ command -v dpkg-deb >/dev/null || {
 }
 
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh" python shared "${1:-build/python_shared}"
-# What the package needs, and nothing else.
+# The package's dependencies, and nothing else.
 (cd "$root" && cmake --preset shared -B "$build" -DTANDEM_BUILD_PYTHON=ON -DTANDEM_BUILD_C=OFF \
   -DTANDEM_BUILD_OBJ=OFF -DTANDEM_BUILD_DEMOS=OFF -DTANDEM_BUILD_TESTS=OFF >/dev/null)
 cmake --build "$build"

@@ -12,7 +12,7 @@ cmake --build "$build"
 prefix=$scratch/prefix
 cmake --install "$build" --prefix "$prefix" >/dev/null
 [[ -n $(find "$prefix" -path "*/doc/tandem/LICENSE") ]] || fail "the license is not installed"
-# The programs as well.
+# The programs too.
 "$prefix/bin/tandem-key" >/dev/null || fail "tandem-key is not installed"
 "$prefix/bin/tandem-demo" cubes --seconds 1 --print nothing || fail "a demo is not installed"
 
@@ -108,7 +108,7 @@ consumer c_files "$prefix" tinyobjloader nlohmann_json Asio
 with c_files nlohmann_json "$json"
 without c_files Asio "$asio"
 
-# What users may ask of their compiler finds nothing in headers, nor in the README's way to fill a struct.
+# Warnings that users may enable find nothing in headers, nor in the README's way to fill a struct.
 warnings=(-Wall -Wextra -Wpedantic -Wmissing-field-initializers -Werror)
 /usr/bin/python3 "$here/designated.py" g++ clang++
 
@@ -222,7 +222,7 @@ c++ -fPIC -c "$scratch/probe.cpp" -o "$scratch/probe.o"
 }
 for library in "$prefix"/lib*/libtandem_*; do
   [[ -L $library ]] && continue
-  # Where libstdc++ keeps those who wait for an atomic; std::atomic::wait brings it.
+  # libstdc++'s table of threads that wait for an atomic; std::atomic::wait brings it.
   waiters='std::__detail::__waiter_pool_base::'
   ignored=$waiters
   case $library in

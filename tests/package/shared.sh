@@ -73,7 +73,7 @@ for compiler in c++ clang++; do
 done
 cat "$scratch/log"
 
-# Who links a shared library needs nothing that is inside it.
+# Users of a shared library do not need its internal dependencies.
 for component in c c_session c_files session obj scene scene_files; do
   consumer "$component" "$prefix" fcl ccd tinyobjloader PkgConfig >/dev/null
 done

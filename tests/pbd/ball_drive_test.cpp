@@ -231,7 +231,7 @@ TEST_CASE("ball drive: snapshots go on with the same bits", "[pbd][joint][drive]
   CHECK(m.world.hash() == hash);
 }
 
-TEST_CASE("ball drive: what it cannot turn is refused", "[pbd][joint][drive]") {
+TEST_CASE("ball drive: joints that it cannot turn are refused", "[pbd][joint][drive]") {
   Driven m;
   const auto refused = [&](auto&& change) {
     SixDofJointDef bad = m.def;

@@ -67,7 +67,7 @@ TEST_CASE("ball_joint: a rod keeps its energy within 1 % over 5 s, at any amplit
     Pendulum pendulum(amplitude * kPi / 180.0);
     Solver solver({.substeps = 10, .sleep_after = 0.0});
     const double start = pendulum.world.mechanical_energy();
-    // Of what swings: from the turning point down to the lowest.
+    // Energy of the swinging body: from the turning point down to the lowest.
     const double scale = start + kGravity * Pendulum::kDistance;
     double worst = 0.0;
     run(pendulum.world, solver, 5.0,

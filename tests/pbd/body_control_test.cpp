@@ -141,7 +141,7 @@ TEST_CASE("sleep: what rests sleeps, bit for bit where it was, until it is distu
   }
 }
 
-TEST_CASE("sleep: what drifts freely stays awake, however slow", "[pbd][unit]") {
+TEST_CASE("sleep: a freely drifting body stays awake, however slow", "[pbd][unit]") {
   World world(weightless());
   BodyDef def = box_def(1.0, kHalf, Vec3::Zero());
   def.twist.linear = Vec3(1e-4, 0.0, 0.0);

@@ -15,7 +15,7 @@ using tandem::pbd::BodyLog;
 
 namespace {
 
-/// What a log tells beside what it has to: bodies that move, and what changed since a mark.
+/// A log's extra entries: bodies that move, and changes since a mark.
 struct Model {
   std::vector<std::uint8_t> moves;
   std::set<std::uint32_t> changed;
@@ -35,7 +35,7 @@ std::set<std::uint32_t> read(const BodyLog& log, BodyLog::Mark& mark, bool& know
   return slots;
 }
 
-TEST_CASE("A log lists what may move, ascending, whatever comes and goes", "[body_log]") {
+TEST_CASE("A log lists bodies that may move, ascending, while bodies come and go", "[body_log]") {
   tandem::pbd::SplitMix64 random(7);
   BodyLog log;
   BodyLog::Mark mark;
@@ -68,7 +68,7 @@ TEST_CASE("A log lists what may move, ascending, whatever comes and goes", "[bod
   }
 }
 
-TEST_CASE("Who has not read a log for two steps looks at everything", "[body_log]") {
+TEST_CASE("A reader that misses two steps of a log looks at everything", "[body_log]") {
   BodyLog log;
   BodyLog::Mark often;
   BodyLog::Mark seldom;
@@ -109,7 +109,7 @@ TEST_CASE("A mark of one log says nothing of another one", "[body_log]") {
   CHECK_FALSE(known);
 }
 
-TEST_CASE("What nobody steps is not remembered for ever", "[body_log]") {
+TEST_CASE("A log of a world that nobody steps stays bounded", "[body_log]") {
   BodyLog log;
   BodyLog::Mark mark;
   bool known = false;

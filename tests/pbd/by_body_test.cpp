@@ -111,7 +111,7 @@ TEST_CASE("by body: what is removed at once takes its own contacts and rows with
   CHECK(touching == left);
   std::vector<ConstraintEdge> edges;
   for (const auto& block : crowd.world.blocks()) block->append_edges(edges);
-  // Of 39 rows those from i - 1 to i where neither is 1 modulo 4.
+  // Of 39 rows, those from i - 1 to i for which neither is 1 modulo 4.
   CHECK(edges.size() == left.size() + 19);
   for (const ConstraintEdge& edge : edges) {
     CHECK(crowd.world.body_at(edge.body_a).valid());

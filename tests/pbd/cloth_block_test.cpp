@@ -103,7 +103,7 @@ TEST_CASE("cloth block: more sweeps leave less, and none or too many are refused
   CHECK(names(refusal([&] { line.cloth->set_sweeps(0); }), "sweeps", "0", "from 1"));
 }
 
-TEST_CASE("cloth block: what agreement moves drags the rest along and becomes no velocity",
+TEST_CASE("cloth block: a correction drags the rest along and never becomes velocity",
           "[pbd][consensus]") {
   World world({.gravity = Vec3::Zero()});
   ClothBlock& cloth = world.add_block<ClothBlock>();
@@ -138,7 +138,7 @@ TEST_CASE("cloth block: no snapshot that somebody made up breaks it", "[pbd][inp
       std::vector<std::byte> with;
       ByteWriter(with).f64(value);
       bool refused = false;
-      // What it makes of huge but finite numbers is its own: it does not crash.
+      // Its result for huge but finite numbers is unspecified: it does not crash.
       const bool fine = survives(line.world, forged(bytes, at, with), refused);
       if (!std::isfinite(value)) CHECK(fine);
       ++(refused ? refused_count : taken);
@@ -149,7 +149,7 @@ TEST_CASE("cloth block: no snapshot that somebody made up breaks it", "[pbd][inp
   CHECK(taken > 100);
 }
 
-TEST_CASE("cloth block: refuses what cannot be, by name", "[pbd][input]") {
+TEST_CASE("cloth block: invalid definitions are refused by name", "[pbd][input]") {
   Line line;
   ClothBlock& cloth = *line.cloth;
   const auto refused = [&](const auto& def) {

@@ -226,7 +226,8 @@ TEST_CASE("blow: the same bits for any number of lanes and threads", "[pbd][gold
   }
 }
 
-TEST_CASE("blow: what falls on a stack bounces off it, and the stack stays", "[pbd][contact]") {
+TEST_CASE("blow: a body that falls on a stack bounces off it, and the stack stays",
+          "[pbd][contact]") {
   const Vec3 half(0.25, 0.25, 0.25);
   World world;
   ToyContacts contacts;

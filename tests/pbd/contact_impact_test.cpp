@@ -341,7 +341,8 @@ TEST_CASE("contact: a resting box does not notice that its features are named an
   CHECK(std::abs(world.pose(box).position.z() - height) < 1e-9);
 }
 
-TEST_CASE("contact: what lands on a stack without restitution stays there", "[pbd][contact]") {
+TEST_CASE("contact: a body that lands on a stack without restitution stays there",
+          "[pbd][contact]") {
   for (const int substeps : {1, 4, 8}) {
     World world;
     ToyContacts contacts;

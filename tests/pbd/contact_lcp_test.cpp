@@ -133,7 +133,7 @@ TEST_CASE("contact: the points of a manifold are solved as trying all sets does"
       // The ridge makes a share of 1e-6 of the difference, times the condition of B.
       const double condition = p.B.topLeftCorner(count, count).inverse().norm() * p.B.norm();
       CHECK((d - expected).cwiseAbs().maxCoeff() <= 1e-5 * condition * (1.0 + p.z.maxCoeff()));
-      // What is solved beside it has no say.
+      // Other rows solved beside it have no effect.
       CHECK(solve(p, p) == d);
     }
   }
@@ -184,8 +184,7 @@ TEST_CASE("contact: of four points in a plane as many bear as need, as evenly as
   CHECK(let_go > 100);
 }
 
-TEST_CASE("contact: what is solved beside a manifold has no say in the sign of a zero",
-          "[pbd][lcp]") {
+TEST_CASE("contact: other rows do not change the sign of a zero", "[pbd][lcp]") {
   std::mt19937 random(5);
   const auto bits = [](const Vec4& d) {
     std::array<std::uint64_t, 4> out;

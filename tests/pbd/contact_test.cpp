@@ -36,7 +36,7 @@ struct Slope {
   double travelled() const { return downhill.dot(world.pose(box).position - start); }
   double height() const { return normal.dot(world.pose(box).position - start); }
   const Contact& contact() const { return world.contacts()->contacts()[0]; }
-  /// What the normals carried in the last substep, N.
+  /// Normal forces in the last substep, N.
   double load() const {
     double sum = 0.0;
     for (const double force : contact().force) sum += force;

@@ -186,7 +186,7 @@ TEST_CASE(
   solver.step(copy.world(), 1.0 / 60.0);
   const BodyState& after = copy.world().state(body);
   if (agreed) {
-    // What is left decays once in each substep, and that way is all the speed there is.
+    // The rest decays once in each substep, and that motion is the only speed.
     const double left = residual_decay(1.0 / 60.0 / kSubsteps);
     const double before_last = 0.1 * std::pow(left, kSubsteps - 1);
     const double way = (1.0 - left) * before_last;  // m, of the last substep
@@ -279,8 +279,8 @@ TEST_CASE("distance_joint: linear and angular momentum of a free pair are kept",
           "[pbd][analytic]") {
   for (const double compliance : {0.0, 1e-3}) {
     FreePair pair(kHalf, 0.8, compliance, compliance > 0.0 ? 2.0 : 0.0);
-    // What closes a rod that starts too long gives no velocity, so that a pair that tumbles has
-    // another momentum then.
+    // Closing a rod that starts too long gives no velocity, so the momentum of a tumbling pair
+    // changes.
     Solver solver({.substeps = 10, .sleep_after = 0.0});
     run(pair.world, solver, 0.5);
     const Vec3 p = linear_momentum(pair.world);

@@ -68,7 +68,7 @@ std::vector<std::byte> of_number(double value) {
 
 }  // namespace
 
-TEST_CASE("forged snapshot: what cannot be a body is refused", "[pbd][fault]") {
+TEST_CASE("forged snapshot: impossible bodies are refused", "[pbd][fault]") {
   Scene scene;
   const auto bytes = scene.world.snapshot();
   bool refused = false;

@@ -85,7 +85,8 @@ struct DenseChain {
   };
   std::vector<Ball> balls;
 
-  /// Where the balls end up under forces lambda (N s^2); their lever arms are the substep's first.
+  /// Final positions of the balls under forces lambda (N s^2); their lever arms are those of the
+  /// start of the substep.
   std::vector<BodyState> moved(const Eigen::VectorXd& lambda, double h) const {
     std::vector<BodyState> ends;
     for (std::size_t i = 0; i < balls.size(); ++i) {

@@ -102,7 +102,7 @@ TEST_CASE("joint coupling: fingers that hang on their ends keep their ratio and 
   CHECK(most < 0.02);
 }
 
-TEST_CASE("joint coupling: what floats keeps its momentum", "[pbd][joint][coupling]") {
+TEST_CASE("joint coupling: a floating system keeps its momentum", "[pbd][joint][coupling]") {
   Geared g;
   const BodyId palm = g.add_rod(2.0, 0.4, Vec3::Zero());
   const BodyId left = g.add_rod(0.5, 0.3, Vec3(-0.35, 0.0, 0.0));

@@ -114,7 +114,7 @@ TEST_CASE("joint loops: every kind of joint closes them", "[pbd][joint][loop][an
   }
 }
 
-TEST_CASE("joint loops: what floats freely keeps its momenta", "[pbd][joint][loop][analytic]") {
+TEST_CASE("joint loops: a floating loop keeps its momenta", "[pbd][joint][loop][analytic]") {
   Lattice lattice(4, Kind::Ball, Held::Nowhere, weightless());
   for (std::size_t i = 0; i < lattice.bodies.size(); ++i) {
     // Turning about the middle, with a bend that grows outwards.
@@ -132,7 +132,7 @@ TEST_CASE("joint loops: what floats freely keeps its momenta", "[pbd][joint][loo
   CHECK((angular_momentum(lattice.world) - l).norm() < 1e-4 * l.norm());
 }
 
-TEST_CASE("joint loops: what is damped comes to rest", "[pbd][joint][loop][unit]") {
+TEST_CASE("joint loops: a damped loop comes to rest", "[pbd][joint][loop][unit]") {
   Lattice lattice(5, Kind::Ball, Held::Edge, {}, 1.0);
   Solver solver({.sleep_after = 0.0});
   run(lattice.world, solver, 25.0);

@@ -165,7 +165,7 @@ TEST_CASE("joint servo: the law of a row is the sum of its parts, wherever their
     const double c = c_start + random.uniform(-0.1, 0.1);
     const double w = random.uniform(0.1, 3.0);
     const double lambda = force_law(axis, c_start, 0.0, h).multiplier(c, 0.0, w);
-    // What c + w lambda is short of the graph grows with lambda: it changes its sign here.
+    // The distance of c + w lambda to the graph grows with lambda: it changes its sign here.
     const double step = 1e-9;
     const double low = lambda - step;
     const double high = lambda + step;
@@ -212,7 +212,7 @@ TEST_CASE("joint servo: arms of bounded servos gain no energy", "[pbd][joint][se
   }
 }
 
-TEST_CASE("joint servo: what it cannot be is refused, and snapshots keep it",
+TEST_CASE("joint servo: invalid servos are refused, and snapshots keep valid ones",
           "[pbd][joint][servo][errors]") {
   Cart cart(1.0, 0.5, Servo{40.0, 1.0, 3.0}.motor(), {.sleep_after = 0.0});
   const auto refused = [&](auto&& change) {

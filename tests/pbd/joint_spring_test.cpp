@@ -9,8 +9,8 @@ namespace joint_spring_test {
 using namespace tandem::pbd;
 using namespace tandem::testing;
 
-/// What P and Q are in x(t + h) - P x(t) + Q x(t - h) = 0, which all
-/// x(t) = exp(-zeta w t) (A cos(w_d t) + B sin(w_d t)) obey, and the two decays of zeta > 1.
+/// P and Q in x(t + h) - P x(t) + Q x(t - h) = 0, which all x(t) = exp(-zeta w t) (A cos(w_d t) + B
+/// sin(w_d t)) obey, and the two decays of zeta > 1.
 struct Recurrence {
   double p, q;
   Recurrence(double frequency, double zeta, double h) {
@@ -171,7 +171,7 @@ TEST_CASE("joint friction: a motor that is on takes its place", "[pbd][joint][fr
   CHECK(m.world.twist(m.body).angular.norm() < 1e-9);
 }
 
-TEST_CASE("joint: what would do nothing is refused", "[pbd][joint]") {
+TEST_CASE("joint: a definition without effect is refused", "[pbd][joint]") {
   Mounted m;
   m.add_box(1.0, Vec3::Zero());
   HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());

@@ -328,7 +328,7 @@ TEST_CASE("joint: a bad definition is refused naming field, value and rule",
   CHECK(joints.size() == 0);
 }
 
-TEST_CASE("joint: what is reported is of the last step", "[pbd][joint][unit]") {
+TEST_CASE("joint: reports are of the last step", "[pbd][joint][unit]") {
   Mounted m;
   m.add_box(2.0, Vec3::Zero());
   HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());

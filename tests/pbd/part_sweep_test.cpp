@@ -57,7 +57,7 @@ struct Rows {
     }
   }
 
-  /// What comes out depends on the order of any two rows that share a body.
+  /// The result depends on the order of any two rows that share a body.
   void act(std::uint32_t i, std::vector<std::uint64_t>& numbers) const {
     const Row& row = in_order[i];
     const std::uint64_t mixed = 6364136223846793005u * (numbers[row.a] ^ (numbers[row.b] << 1)) + i;

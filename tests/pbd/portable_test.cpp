@@ -46,7 +46,7 @@ class Worst {
   double ulp_ = 0.0;
 };
 
-/// Of any sign and of a size from 2^low to 1.
+/// A number of either sign and of a size from 2^low to 1.
 double spread(SplitMix64& random, unsigned low) {
   return std::ldexp(random.uniform(-1.0, 1.0), -static_cast<int>(random.below(low)));
 }

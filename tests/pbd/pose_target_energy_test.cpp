@@ -35,7 +35,7 @@ struct Peer {
     joints.add(world, ball_joint_at(world, bodies[0], bodies[1], Vec3(1.0, 0.1, 0.0)));
     world.set_target_source(&source);
   }
-  /// What the other one knows now, without delay.
+  /// The other one's present state, without delay.
   void see(const Peer& other, double share) {
     source.targets.clear();
     for (const BodyId id : bodies) {

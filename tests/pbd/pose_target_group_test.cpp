@@ -50,8 +50,9 @@ struct SleepingPair {
 
 }  // namespace
 
-TEST_CASE("pose_target: what sleeps is out of the total channel, so that a restored world goes on",
-          "[pbd][consensus][golden]") {
+TEST_CASE(
+    "pose_target: sleepers are out of the displacement channel, so a restored world continues",
+    "[pbd][consensus][golden]") {
   SleepingPair straight;
   run(straight.world, straight.solver, 2.0);
   REQUIRE_FALSE(straight.world.awake(straight.b));

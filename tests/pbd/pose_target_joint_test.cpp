@@ -157,7 +157,7 @@ TEST_CASE("pose_target: converged once a step, jointed bodies reach the constrai
 
 TEST_CASE("pose_target: the distance to the optimum falls with the square of the gap",
           "[pbd][consensus][analytic]") {
-  // What is left over is the curvature of the joint, not a lack of convergence.
+  // The rest is due to the curvature of the joint, not to a lack of convergence.
   std::vector<double> errors;
   for (const double size : {1e-2, 1e-3, 1e-4}) {
     Row row({1.0, 2.0}, {{1.0, Vec3(0.0, size, -0.5 * size), Vec3(0.0, 0.0, size)}, {}}, 0.15);

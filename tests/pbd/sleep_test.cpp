@@ -44,7 +44,7 @@ TEST_CASE("sleep: a slow motor runs on", "[pbd][sleep][analytic]") {
 
 TEST_CASE("sleep: the speed and the spin below which bodies rest are the application's",
           "[pbd][sleep]") {
-  // Without friction a slider and a hinge go on for ever, each at five times what counts as rest.
+  // Without friction a slider and a hinge never stop, each at five times the threshold of rest.
   for (const double factor : {1.0, 10.0}) {
     SolverOptions options;
     const double speed = 5.0 * options.sleep_speed;
@@ -127,7 +127,7 @@ TEST_CASE("sleep: a motor that a limit or its load stops lets its body sleep", "
 
 TEST_CASE("sleep: a body may have a speed and a spin of its own below which it rests",
           "[pbd][sleep]") {
-  // Without friction a slider goes on for ever, at five times what counts as rest, or a fifth.
+  // Without friction a slider never stops, at five times the threshold of rest, or a fifth.
   const SolverOptions options;
   for (const double factor : {1.0, 10.0}) {
     for (const bool own : {false, true}) {

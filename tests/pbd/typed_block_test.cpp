@@ -133,7 +133,7 @@ TEST_CASE("typed_block: a kind of constraint defined in a test is solved like an
   CHECK(world.twist(body).angular.norm() < 1e-9);
 }
 
-TEST_CASE("typed_block: a new kind takes part in the total channel and in snapshots",
+TEST_CASE("typed_block: a new kind takes part in the displacement channel and in snapshots",
           "[pbd][consensus][unit]") {
   const auto build = [](World& world, FixedTargets& source) -> BodyId {
     auto& shelves = world.add_block<Shelves>();

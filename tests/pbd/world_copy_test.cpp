@@ -72,7 +72,7 @@ TEST_CASE("world_copy: ids of bodies and rows hold in the copy", "[pbd][unit]") 
   CHECK(dynamic_cast<JointBlock&>(*world.blocks()[0]).contains(scene.joint));
 }
 
-TEST_CASE("world_copy: what cannot be copied leaves the copy empty", "[pbd][fault]") {
+TEST_CASE("world_copy: a world that cannot be copied leaves the copy empty", "[pbd][fault]") {
   Scene scene;
   WorldCopy copy;
   REQUIRE(copy.assign(scene.world));

@@ -40,7 +40,7 @@ def compare(kind: str, threads: int, steps: int, rounds: int = ROUNDS) -> None:
     in_cpp(), here()
     ratios, cpp = [], []
     for turn in range(rounds):
-        # Who comes first changes: the second one finds a warm or a tired machine.
+        # The order alternates: the second one runs on a warm or throttled machine.
         a, b = (in_cpp(), here()) if turn % 2 == 0 else (here(), in_cpp())[::-1]
         ratios.append(b / a)
         cpp.append(a)

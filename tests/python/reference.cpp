@@ -45,7 +45,7 @@ void print_hash(const Scene& scene) {
   std::printf("%llu\n", static_cast<unsigned long long>(scene.world().hash()));
 }
 
-/// docs/tutorial.md: falling.cpp, with hashes in place of heights.
+/// docs/tutorial.md: falling.cpp, with hashes instead of heights.
 void tutorial() {
   Scene scene;
   scene.add(HalfSpace{}, {.type = BodyType::Static});

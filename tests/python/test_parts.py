@@ -73,7 +73,7 @@ def test_a_car_stands_on_its_springs_drives_off_and_brakes():
     scene = grounded()
     car = tandem.Car(scene, position=(0, 0, 0.8), mass=1200.0, stiffness=30e3)
     scene.step(DT, 180)
-    # Where springs are at ease the chassis is 0.4 m above axles 0.35 m high; its weight is on four.
+    # With springs at rest the chassis is 0.4 m above axles 0.35 m high; its weight is on four.
     assert car.chassis.position[2] == pytest.approx(0.35 + 0.4 - 1200 * 9.81 / (4 * 30e3), abs=0.005)
     assert len(car.wheels) == len(car.joints) == 4
     assert all(wheel.in_contact for wheel in car.wheels) and not car.chassis.in_contact

@@ -46,7 +46,7 @@ def test_a_spawned_body_is_at_all_members_the_later_ones_included():
     three = Member(network, 3)
     advance(network, one, two, three, steps=120)
     places = [member.session.body(ball).position for member in (one, two, three)]
-    # Of 3 s, one began at once.
+    # Of 3 s; one step began at once.
     assert places[0] == pytest.approx((1 + 0.5 * 3, 2, 3), abs=0.02)
     assert places[1] == pytest.approx(places[0], abs=0.02) and places[2] == pytest.approx(places[0], abs=0.02)
     assert one.asked == two.asked == three.asked == [b"ball"]

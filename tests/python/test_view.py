@@ -194,7 +194,7 @@ def test_bodies_that_come_and_go_are_seen(shown):
     page.show()
     assert client.next()[box.index][0] == 3
     assert client.shape(client.parts(box)[0][0])["kind"] == "box"
-    # What nobody has any more is not kept.
+    # Shapes without a body are not kept.
     number = client.parts(box)[0][0]
     scene.remove(box)
     page.show()
@@ -338,7 +338,7 @@ def test_connections_are_few_and_of_idle_ones_the_oldest_goes(shown):
 
     _, page = shown
     kept = [connected(page) for _ in range(MAX_CONNECTIONS)]
-    # Who has asked lately is not the oldest any more.
+    # A client that has asked recently is not the oldest any more.
     kept[0].sendall(request_of(page))
     assert kept[0].recv(12) == b"HTTP/1.1 200"
     kept.append(connected(page, request_of(page)))

@@ -17,7 +17,7 @@ const {values: options} = parseArgs({options: {
   core: {type: 'string', default: '0'}, seconds: {type: 'string', default: '20'}, cpuprofile: {type: 'string'},
 }});
 
-/** Where a stirring hand is, m. */
+/** Position of a stirring hand, m. */
 const stirred = (phase) => {
   const turn = performance.now() / 700 + phase;
   return [0.6 * Math.cos(turn), -1 + 0.6 * Math.sin(turn), 0.15];

@@ -17,7 +17,7 @@ const SLACK = 0.03;      // s, of two clocks and steps
 const PULLS = 3;         // of which the middle one counts: the machine may do something else meanwhile
 const refusal = /WebSocket connection to .* failed/;  // what Chromium says of a server that is gone
 
-/** Where a body is on the page, in pixels, once it is drawn as it is now. */
+/** Position of a body on the page, in pixels, once its present state is drawn. */
 async function place(page, name) {
   const drawn = await ask(page, 'drawing.drawn');
   await until(() => ask(page, `drawing.drawn > ${drawn} + 1`), 'a picture');
@@ -65,7 +65,7 @@ const track = (page, name) => page.evaluate((body) => {
 /** When it was so high, s; undefined: never. */
 const when = (points, height) => points.find(([, z]) => z > height)?.[0];
 
-/** What the page does when it is hidden or shown again; headless pages are always shown. */
+/** Hides the page or shows it again; headless pages are always shown. */
 const hide = (page, hidden) => page.evaluate((is) => {
   Object.defineProperty(document, 'hidden', {configurable: true, get: () => is});
   document.dispatchEvent(new Event('visibilitychange'));
@@ -263,7 +263,8 @@ describe('a room by a link', {timeout: 600000}, () => {
         }
       }
     });
-    // The sharing itself: whoever cannot be understood there is dropped. A packet beyond a member's budget is not read.
+    // The sharing itself: a member that sends undecodable packets there is dropped. A packet beyond
+    // a member's budget is not read.
     const dropped = async (page) => {
       await hostile.evaluate(() => {
         const {members} = window.tandemRoom.session;

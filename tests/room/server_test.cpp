@@ -210,7 +210,7 @@ TEST_CASE("room server: a room, an address and the server are full at some time,
   CHECK(again);
 }
 
-TEST_CASE("room server: what cannot be is refused by name") {
+TEST_CASE("room server: invalid options are refused by name") {
   const PageFiles files(Files{{"index.html", "page"}});
   ServerOptions options;
   options.address = "localhost";

@@ -20,7 +20,7 @@ const SNAP = 30;         // degrees
 const SEEN = 0.02;       // m
 
 const holds = (page, side) => ask(page, `session.holding.get('${side}')?.held.name ?? null`);
-/** What a page sees of the others in headsets: head and hands, m. */
+/** The others in headsets, as a page sees them: head and hands, m. */
 const people = (page) => ask(page, `[...session.seenPeople()].map(({member, head, left, right}) => (
   {id: String(member.id), head: head?.position, left: left?.pose.position, right: right?.pose.position}))`);
 const id = (page) => ask(page, 'String(session.self)');

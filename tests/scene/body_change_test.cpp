@@ -37,7 +37,7 @@ TEST_CASE("body change: a heavier body keeps its velocity and hits as one", "[sc
   CHECK(scene.world().twist(ball).linear.x() == Approx(1.5).epsilon(1e-3));
 }
 
-TEST_CASE("body change: what is made static stops and holds", "[scene][change]") {
+TEST_CASE("body change: a body made static stops and holds", "[scene][change]") {
   Scene scene;
   scene.add(HalfSpace{}, {.type = BodyType::Static});
   const BodyId shelf = scene.add(Box{0.5, 0.5, 0.1}, {.pose = {.position = {0.0, 0.0, 3.0}}});
@@ -57,7 +57,7 @@ TEST_CASE("body change: what is made static stops and holds", "[scene][change]")
   CHECK(scene.pose(ball).position.z() < 0.5);
 }
 
-TEST_CASE("body change: what weighs less falls slower", "[scene][change]") {
+TEST_CASE("body change: a lighter body falls slower", "[scene][change]") {
   Scene scene;
   const BodyId ball = scene.add(Sphere{0.1});
   scene.world().set_gravity_scale(ball, 0.25);

@@ -290,7 +290,8 @@ TEST_CASE("character: it pushes with max_push against friction", "[character]") 
   CHECK(light.place.hero.velocity().x() == Approx(1.5).epsilon(0.05));
 }
 
-TEST_CASE("character: what runs into it takes it along, and momentum is kept", "[character]") {
+TEST_CASE("character: a body that runs into it takes it along, and momentum is kept",
+          "[character]") {
   const double mass = GENERATE(30.0, 1000.0);
   Pushed hit(mass, 0.0, -2.0, 0.0);
   hit.place.run(1.0, Vec3::Zero());
@@ -309,7 +310,7 @@ TEST_CASE("character: what runs into it takes it along, and momentum is kept", "
   CHECK(slowest >= 400.0 / mass * 0.9);
 }
 
-TEST_CASE("character: what it stands on bears its weight", "[character]") {
+TEST_CASE("character: its ground bears its weight", "[character]") {
   Place place(kDef, {0.0, 0.0, 2.0 + kHeight});
   // A raft on a spring that cannot tip: m g / k further down with a character on it.
   const double k = 20000.0;

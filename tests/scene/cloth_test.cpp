@@ -137,7 +137,7 @@ TEST_CASE("cloth: at 10 m/s no part of it gets through a ball", "[scene][contact
   CHECK(deepest < 0.01);  // its own radius
 }
 
-// What is heavier than the sheet parts its threads and gets through: docs/parts.md.
+// A body heavier than the sheet parts its threads and gets through: docs/parts.md.
 TEST_CASE(
     "cloth: a ball at 10 m/s of half its mass comes back, wherever it hits; none gains energy",
     "[scene][contact][long]") {
@@ -223,7 +223,7 @@ TEST_CASE("cloth: a handle is the mean about its place, with mass from there, an
   CHECK((cloth.point(0.3, 0.7) - Vec3(0.3, 0.7, 0.0)).norm() < 1e-14);
   const BodyId handle = cloth.add_handle(0.3, 0.7, 0.3, 0.9);
   CHECK((scene.pose(handle).position - Vec3(0.3, 0.7, 0.0)).norm() < 1e-14);
-  // Of a hat over a square of twice its reach.
+  // Mass under a hat function over a square of twice its reach.
   CHECK(scene.world().props(handle).mass == Approx(0.9 * 0.2 * 0.3 * 0.3));
   scene.world().apply_impulse(handle, Vec3(0.0, 0.0, 0.02));
   steps(scene, 60);
@@ -246,13 +246,13 @@ TEST_CASE("cloth: a handle is the mean about its place, with mass from there, an
   // All of the momentum is in the cloth, but for what the air took.
   CHECK(mass == Approx(0.2));
   CHECK(momentum == Approx(0.02 * std::exp(-0.2)).epsilon(0.01));
-  // What one has taken another one has not.
+  // Mass taken by one is not taken by another.
   CHECK(names(refusal([&] { cloth.add_handle(0.3, 0.7, 0.3, 0.5); }), "share", "0.5", "have left"));
   CHECK(names(refusal([&] { cloth.add_handle(0.3, 1.7, 0.3, 0.5); }), "v", "1.7", "from 0 to 1"));
   CHECK(names(refusal([&] { cloth.add_handle(0.3, 0.7, 0.1, 0.5); }), "reach", "0.1", "above"));
 }
 
-TEST_CASE("cloth: tethers keep what hangs from stretching", "[scene][invariant]") {
+TEST_CASE("cloth: tethers keep hanging cloth from stretching", "[scene][invariant]") {
   double hangs[2] = {};
   for (const bool tethered : {false, true}) {
     Scene scene;
@@ -269,7 +269,7 @@ TEST_CASE("cloth: tethers keep what hangs from stretching", "[scene][invariant]"
   CHECK(hangs[1] < 1.002);
 }
 
-TEST_CASE("cloth: refuses what cannot be, by name", "[scene][input]") {
+TEST_CASE("cloth: invalid definitions are refused by name", "[scene][input]") {
   Scene scene;
   const auto refused = [&](const ClothDef& def) { return refusal([&] { Cloth(scene, def); }); };
   CHECK(names(refused({.pose = {.orientation = Quat(1.0, 0.0, 0.0, 1.0)}}), "pose.orientation",

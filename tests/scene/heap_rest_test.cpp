@@ -99,8 +99,8 @@ TEST_CASE("scene: in a heap of boxes nothing creeps on", "[scene][property][long
 }
 
 // Of the corners that nearly touch four are chosen. The one that the body tips on to was not one of
-// them, bore once it was found, and was left out again: 42 of 4000 like these rocked for ever, one
-// does.
+// them, bore once it was found, and was left out again: 42 of 4000 like these rocked without end,
+// one does.
 TEST_CASE("scene: scanned tins do not rock", "[scene][property]") {
   for (int run = 0; run < 200; ++run) {
     pbd::SplitMix64 random(static_cast<std::uint64_t>(50 + run));

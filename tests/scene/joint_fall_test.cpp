@@ -7,7 +7,7 @@
 #include "tandem/pbd/random.h"
 #include "tandem/ragdoll.h"
 
-/// What hangs on joints with limits and falls on the ground takes its energy there and gains none.
+/// A body on joints with limits that falls on the ground takes its energy there and gains none.
 namespace joint_fall_test {
 
 using namespace tandem;

@@ -12,7 +12,7 @@ using namespace tandem;
 using tandem::testing::names;
 using tandem::testing::refusal;
 
-TEST_CASE("layers: what ignores each other does not meet, all else does", "[scene][layers]") {
+TEST_CASE("layers: layers that ignore each other do not meet, all others do", "[scene][layers]") {
   collision::Layers layers{"room", "players", "debris"};
   const collision::Filter before = layers["debris"];
   layers.ignore("debris", "debris");

@@ -75,7 +75,7 @@ TEST_CASE("ragdoll: however it falls, joints keep their limits and energy never 
 }
 
 // Where joints took back within a substep what contacts had left of them, forearms rolled to and
-// fro at 0.2 to 0.6 rad/s for ever, at any number of substeps.
+// fro at 0.2 to 0.6 rad/s without end, at any number of substeps.
 TEST_CASE("ragdoll: lies still and sleeps, however it fell", "[scene][invariant]") {
   for (const int substeps : {2, 4, 16}) {
     for (const double tilt : {0.0, 0.3, -0.4, 1.4, 2.5}) {
@@ -216,7 +216,7 @@ TEST_CASE("ragdoll: under heavy boxes it lies still, and its joints hold",
   CHECK(restless <= 1);
 }
 
-TEST_CASE("ragdoll: refuses what cannot be, by name", "[scene][input]") {
+TEST_CASE("ragdoll: invalid definitions are refused by name", "[scene][input]") {
   Scene scene;
   const auto refused = [&](const RagdollDef& def) { return refusal([&] { Ragdoll(scene, def); }); };
   CHECK(names(refused({.height = 0.0}), "height", "0", "> 0"));

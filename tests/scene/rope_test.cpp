@@ -206,7 +206,7 @@ TEST_CASE("rope: one that a ball hits gains next to no energy, whatever their ma
   }
 }
 
-TEST_CASE("rope: refuses what cannot be, by name", "[scene][input]") {
+TEST_CASE("rope: invalid definitions are refused by name", "[scene][input]") {
   Scene scene;
   const auto refused = [&](const RopeDef& def) { return refusal([&] { Rope(scene, def); }); };
   CHECK(names(refused({.length = 0.5}), "length", "0.5", "at least the distance"));

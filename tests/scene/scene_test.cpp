@@ -25,7 +25,7 @@ static_assert(!std::is_copy_constructible_v<Scene>);
 static_assert(std::is_nothrow_move_constructible_v<Scene>);
 static_assert(noexcept(std::declval<Scene&>().step(kStep)));
 
-/// What the two ways have in common: where the boxes of a leaning pile are.
+/// Common to both ways: places of the boxes of a leaning pile.
 Pose place(int i) {
   return {Vec3(0.03 * i, 0.01 * i, 0.12 + 0.22 * i),
           Quat(Eigen::AngleAxisd(0.1 * i, Vec3::UnitZ()))};
@@ -147,7 +147,7 @@ TEST_CASE("scene: a shape is where it was placed, its centre of mass where the f
   CHECK(past.pose(after).position == Vec3(5.0, 0.0, 0.0));
 }
 
-TEST_CASE("scene: a restored body has its own centre, whoever had its slot in between",
+TEST_CASE("scene: a restored body has its own centre, even if its slot was reused in between",
           "[scene][snapshot]") {
   const Pose place{Vec3(1.0, 2.0, 3.0), Quat(Eigen::AngleAxisd(0.4, Vec3::UnitY()))};
   Scene scene({.gravity = Vec3::Zero()});
@@ -277,7 +277,7 @@ TEST_CASE("scene: who has a group that it gave does not meet the others of that 
   CHECK(touch(b, c));
 }
 
-TEST_CASE("scene: a new group is nobody's, whoever brought the others", "[scene][unit]") {
+TEST_CASE("scene: a new group is unused, wherever the others came from", "[scene][unit]") {
   Scene first;
   const std::int32_t least = first.new_group();
   Scene scene;
@@ -286,7 +286,7 @@ TEST_CASE("scene: a new group is nobody's, whoever brought the others", "[scene]
     const auto slots = scene.shapes().slot_count();
     return std::pair(body, scene.shapes().collider_at(slots - 1));
   };
-  // The application's own, which counts from the least as well.
+  // The application's own, which also counts from the lowest.
   ball(least);
   const auto changed = ball(0);
   scene.shapes().set_filter(changed.second, {.group = least + 1});
@@ -309,7 +309,8 @@ TEST_CASE("scene: a new group is nobody's, whoever brought the others", "[scene]
   CHECK(scene.new_group() != given);
 }
 
-TEST_CASE("scene: queries see bodies where they are, whoever moved them", "[scene][queries]") {
+TEST_CASE("scene: queries see bodies at their present places, however they were moved",
+          "[scene][queries]") {
   Scene scene;
   const BodyId box = scene.add(Box{0.5, 0.5, 0.5});
   const collision::Ray down{.origin = Vec3(0.0, 0.0, 5.0), .direction = -Vec3::UnitZ()};
@@ -386,7 +387,7 @@ TEST_CASE("scene: a door's angle is what its motor was told", "[scene][joints]")
   CHECK(scene.world().blocks().size() == 2);
 }
 
-// What contacts leave of joints is not thrown back. Taken back within a substep, two limbs that
+// Joint errors left by contacts are not thrown back. Taken back within a substep, two limbs that
 // fall upright rise to 278 J after 242, three to 597 after 529, four to 1.7 kJ after 1.0 and,
 // tilted by -0.4, to 67 kJ.
 TEST_CASE("scene: limbs on hinges that fall on their end are not thrown up", "[scene][invariant]") {

@@ -174,7 +174,7 @@ TEST_CASE("seams: what slides or rolls over the seams of any tiles goes on as on
     const double phase = random.unit();
     const double length = std::max(4.0 * rider.low, 0.3) * random.uniform(1.0, 3.0);
     const Material material{.friction = rolls ? 0.5 : 0.0};
-    // What stands on a point falls over by and by.
+    // A body standing on a point falls over in time.
     const double longest = rider.name == "upright capsule" ? 1.5 : 4.0;
     const int steps = static_cast<int>(std::min(3.0 * length / speed, longest) / kStep) + 1;
     CAPTURE(i, rider.name, rider.low, speed, phase, length, rolls);

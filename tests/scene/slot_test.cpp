@@ -96,7 +96,7 @@ TEST_CASE("slot: a collider does not follow the body that takes its body's slot"
   CHECK(world.contacts()->contacts().empty());
 }
 
-TEST_CASE("slot: manifolds of nobody's bodies, of no number and of no shape are left out",
+TEST_CASE("slot: manifolds of removed bodies, with NaN, or of no shape are left out",
           "[scene][fault]") {
   pbd::World world;
   Liar liar;

@@ -40,7 +40,7 @@ std::uint64_t run(Scene& scene) {
   return scene.world().hash();
 }
 
-/// What is refused is refused whole: what follows moves as if nobody had tried.
+/// A refused call changes nothing: later motion is as if it had not been made.
 /// @param good  adds as many bodies as any of `bad` does
 void check_whole(const std::function<void(Scene&)>& good,
                  const std::vector<std::function<void(Scene&)>>& bad) {

@@ -66,7 +66,7 @@ TEST_CASE("glb: buffers come from the container, and files may stand beside it",
   const tandem::testing::Folder folder;
   folder.write("stone.glb", good());
   check(load_scene(folder.file("stone.glb")));
-  // What else it holds is passed over.
+  // Other chunks are passed over.
   check(parse_gltf(
       container(chunk("JSON", kJson, ' ') + chunk(std::string("BIN\0", 4), corners(), '\0') +
                 chunk("ELSE", "12345678", ' ')),

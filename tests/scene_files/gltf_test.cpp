@@ -94,7 +94,7 @@ std::string apart(int triangles) {
   return bytes_of(points, {});
 }
 
-/// What of a document is there how often; primitives take buffers and indices in turn.
+/// Counts of a document's parts; primitives take buffers and indices in turn.
 struct Many {
   int triangles = 1;  ///< in each buffer
   int buffers = 1;
@@ -247,7 +247,7 @@ TEST_CASE("gltf: buffers are files beside it, and nothing else", "[gltf][errors]
     CAPTURE(uri);
     CHECK(parse_gltf(document(uri), folder.file("")).bodies.size() == 4);
   }
-  // What is decoded is decoded once, before it is looked at.
+  // Buffers are decoded once, before they are checked.
   std::filesystem::create_directory(folder.file("inner"));
   for (const char* uri : {"../mesh.bin", "%2e%2e/mesh.bin", "..%2Fmesh.bin", "%2e./mesh%2ebin"}) {
     CAPTURE(uri);
@@ -296,7 +296,7 @@ TEST_CASE("gltf: whatever is changed in a text, it is read or refused", "[gltf][
               "1.0", "2.x"));
 }
 
-TEST_CASE("gltf: what is alike is one shape", "[gltf]") {
+TEST_CASE("gltf: equal meshes are one shape", "[gltf]") {
   const tandem::testing::Folder folder;
   std::string indices(6000, '\0');
   for (std::size_t i = 0; i < 3000; ++i) {
@@ -324,7 +324,7 @@ TEST_CASE("gltf: what is alike is one shape", "[gltf]") {
   REQUIRE(scaled.size() == 2);
   CHECK(scaled[0] != scaled[1]);
   CHECK(scaled[1]->bounds().max.x() == Approx(2.0 * scaled[0]->bounds().max.x()));
-  // Of positions that many meshes have in common, each takes its own.
+  // Each mesh takes its own from positions that many meshes share.
   const auto single = meshes({.triangles = 1000, .meshes = 1000, .indexed = true});
   REQUIRE(single.size() == 1000);
   for (const auto& mesh : single) REQUIRE(mesh->vertex_count() == 3);

@@ -12,7 +12,7 @@ namespace hostile_test {
 
 using namespace tandem;
 
-/// What reading it says; "" where it is read, and a failure where something else is thrown.
+/// The error of reading it; "" if it is read, and a failure if something else is thrown.
 std::string told(const std::string& text) {
   try {
     parse_scene(text, {}, "room.json");

@@ -14,7 +14,7 @@ using namespace tandem;
 using tandem::testing::names;
 using tandem::testing::refusal;
 
-/// What is refused where one of each is too many, and "" where there may be as many as there are.
+/// The refusal if one of each is too many, and "" if their number is allowed.
 std::string told(const std::string& text, std::size_t SceneLimits::*what, std::size_t most,
                  bool gltf) {
   SceneLimits limits;

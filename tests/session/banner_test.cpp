@@ -66,7 +66,7 @@ struct Site {
     peer.share({.id = SharedId::from_name(name), .body = body, .orientation = turns});
   }
   static Vec3 hand_on_pole(int k) { return Vec3(0.0, 0.0, k == 0 ? -0.4 : 0.4); }
-  /// Where the person wants the pole: closer together, forth and back, up and down.
+  /// The person's target for the pole: closer together, forth and back, up and down.
   static Vec3 pole_at(int k, double t) {
     const double out = k == 0 ? -1.0 : 1.0;
     const double ease = std::min(1.0, t / 2.0);

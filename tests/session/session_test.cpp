@@ -285,7 +285,7 @@ TEST_CASE("session: runs by any clock until it is stopped", "[session]") {
   CHECK(room.steps == 10);
   session.stop();
   CHECK(session.advance(time += 4 * kStep).steps > 0);  // nothing runs
-  // What was said before the next one began ends that one, alone.
+  // A stop before the next run begins ends that run alone.
   const int steps = room.steps;
   called = 0;
   session.run(five);
@@ -305,7 +305,7 @@ TEST_CASE("session: what a call before a step throws passes, and the session goe
                                   [](SessionTime) { throw std::runtime_error("mine"); }),
                   std::runtime_error);
   CHECK(room.steps == 0);
-  // What it has kept back comes with the next call, and was not stepped elsewhere.
+  // Steps kept back come with the next call, and were not stepped elsewhere.
   CHECK(session.advance(f.network.now() + 3 * kStep).steps == 3);
   int calls = 0;
   CHECK_THROWS(session.advance(f.network.now() + 7 * kStep, [&](SessionTime) {

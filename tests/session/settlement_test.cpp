@@ -167,7 +167,7 @@ TEST_CASE("settlement: a heap of three peers comes to lie the same way, and slee
 
 TEST_CASE("settlement: ragdolls that two peers share lie still and sleep",
           "[session][regression]") {
-  // Three of these six once trembled for ever at 0.1 m/s, copies 2 mm apart.
+  // Three of these six once trembled without end at 0.1 m/s, copies 2 mm apart.
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     Table table({.latency = 0.0285, .jitter = 0.0014, .loss = 0.05}, seed);
     std::vector<std::unique_ptr<Ragdoll>> dolls;
@@ -226,7 +226,7 @@ TEST_CASE("settlement: what rolls is not stopped by one who says that it lies fa
   CHECK(rolled(true) == Approx(alone).epsilon(0.05));
 }
 
-/// What keeps the cube where it is, in the way of every mean.
+/// An obstacle that keeps the cube from every mean.
 void add_walls(Site& site) {
   for (const double x : {-0.08, 0.08}) {
     site.scene.add(Box{0.02, 0.5, 0.5},
@@ -246,7 +246,7 @@ TEST_CASE("settlement: one who lies is not elected by two who do not", "[session
   }
 }
 
-TEST_CASE("settlement: whoever lies in turns has one election in 5 s", "[session]") {
+TEST_CASE("settlement: a peer that lies alternately gets one election in 5 s", "[session]") {
   Table table({.latency = 0.03}, 1);
   Site& liar = add_liar(table, 0.5);
   Site& honest = add_honest(table);

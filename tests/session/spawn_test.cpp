@@ -278,8 +278,7 @@ std::vector<std::byte> spawn_bytes(const SharedId& id, std::string_view what) {
   return bytes;
 }
 
-TEST_CASE("spawn: a member that says what it likes has its share of bodies and no more",
-          "[session][fault]") {
+TEST_CASE("spawn: a member that floods gets its share of bodies at most", "[session][fault]") {
   Fixture f(3);
   Member one(f.transport(1), {.max_of_one = 8}), two(f.transport(2), {.max_of_one = 8});
   pbd::World world{testing::weightless()};
@@ -385,8 +384,7 @@ TEST_CASE("spawn: a step is no place for another one", "[session][fault]") {
   CHECK(two.joined == std::vector<PeerId>{1});
 }
 
-TEST_CASE("spawn: a body whose removal came first is gone at its maker as well",
-          "[session][fault]") {
+TEST_CASE("spawn: a body whose removal came first is gone at its maker too", "[session][fault]") {
   Fixture f(3);
   Member one(f.transport(1)), two(f.transport(2));
   pbd::World world{testing::weightless()};

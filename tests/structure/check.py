@@ -30,7 +30,7 @@ from clang.cindex import CursorKind as Kind
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("pbd", "collision", "consensus", "net", "bindings/c")
 MOST_FIELDS, MOST_METHODS, MOST_LINES = 20, 30, 60
-# What breaks a bound, and why it may.
+# Exceptions to a bound, with reasons.
 ALLOWED = {
     "net::TcpOptions": "plain data: what a user may set",
     "net::UdpOptions": "plain data: what a user may set",

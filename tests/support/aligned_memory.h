@@ -10,7 +10,7 @@
 
 namespace tandem::testing {
 
-/// What operator new for aligned types is made of; null where there is no memory.
+/// Basis of operator new for aligned types; null without memory.
 /// @param alignment  a power of two
 inline void* aligned_memory(std::size_t size, std::size_t alignment) {
 #ifdef _WIN32

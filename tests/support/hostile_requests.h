@@ -27,7 +27,7 @@ inline int status_of(const Served& served, const std::string& path, const std::s
   return WebClient("127.0.0.1", served.port).get(path, host, extra, method);
 }
 
-/// Who knows the token gets the page, nobody else gets anything.
+/// Only requests with the token get the page; others get nothing.
 inline void check_tokens(const Served& served) {
   const std::string host = "127.0.0.1:" + std::to_string(served.port);
   const std::string& root = served.root;
@@ -58,7 +58,7 @@ inline void check_tokens(const Served& served) {
   for (const char* method : {"POST", "HEAD", "PUT", "OPTIONS", "DELETE"}) {
     CHECK(status_of(served, root, host, "", method) == 404);
   }
-  // What people are told says nothing of the token.
+  // The help page does not reveal the token.
   const auto said = [&](const std::string& path) {
     WebClient other("127.0.0.1", served.port);
     REQUIRE(other.get(path, host) == 404);
@@ -72,7 +72,7 @@ inline void check_tokens(const Served& served) {
   for (const std::string& path : {wrong, wrong.substr(0, 33), root + "other.js"}) {
     CHECK(said(path) == help);
   }
-  // Who has left out the last slash is sent to the page.
+  // A request without the last slash is redirected to the page.
   const std::string bare = root.substr(0, 33);
   for (const std::string query : {"", "?pane=0"}) {
     WebClient other("127.0.0.1", served.port);
@@ -114,7 +114,7 @@ inline void check_names(const Served& served) {
   CHECK(open("https://" + host) == (served.has_https ? 101 : 404));
 }
 
-/// What is no request, or too long a one, ends its connection alone.
+/// An invalid or too long request ends only its own connection.
 inline void check_malformed(const Served& served) {
   const std::string host = "127.0.0.1:" + std::to_string(served.port);
   const std::string begin = "GET " + served.root + " HTTP/1.1\r\nHost: " + host + "\r\n";

@@ -8,7 +8,7 @@
 
 #include "tandem/pbd/world.h"
 
-/// What mechanics says, without any of the solver's code: the expected values of the tests.
+/// Results of mechanics, without any of the solver's code: the expected values of the tests.
 namespace tandem::testing {
 
 using pbd::Mat3;

@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-// Sockets by their names in POSIX, on Windows as well; there an int holds each of them.
+// Sockets by their names in POSIX, also on Windows; there an int holds each of them.
 #ifdef _WIN32
 #include <winsock2.h>
 #include <ws2tcpip.h>
@@ -24,7 +24,7 @@ constexpr int MSG_NOSIGNAL = 0;
 inline int poll(pollfd* sockets, ULONG count, int timeout_ms) {
   return WSAPoll(sockets, count, timeout_ms);
 }
-// Of any bytes; Windows names characters.
+// Data of any bytes; Windows wants characters.
 template <class Byte>
 auto send(SOCKET socket, const Byte* bytes, std::size_t size, int flags) {
   return send(socket, reinterpret_cast<const char*>(bytes), static_cast<int>(size), flags);

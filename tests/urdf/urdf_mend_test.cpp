@@ -123,7 +123,7 @@ TEST_CASE("urdf: an inertia that no body can have becomes the nearest one", "[ur
     CHECK(refusal([&] { parse_urdf(text, {.strict = true}); }).find("inertia") !=
           std::string::npos);
   }
-  // What is far below 0 is no rounding.
+  // A value far below 0 is not due to rounding.
   CHECK(refusal([&] {
           parse_urdf(arm(inertial(2.0, "ixx='0.1' iyy='0.1' izz='-0.08'")));
         }).find("positive definite") != std::string::npos);

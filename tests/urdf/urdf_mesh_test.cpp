@@ -25,7 +25,7 @@ using tandem::testing::refusal;
 
 using Triangle = std::array<Vec3, 3>;
 
-/// Of a box with a corner at 0 and one at `size`.
+/// STL of a box with a corner at 0 and one at `size`.
 std::vector<Triangle> box(const Vec3& size) {
   const auto corner = [&](int i) {
     return Vec3((i & 1) != 0 ? size.x() : 0.0, (i & 2) != 0 ? size.y() : 0.0,

@@ -176,7 +176,7 @@ TEST_CASE("urdf: a robot has no more than it may", "[urdf][errors]") {
   CHECK(told(&SceneLimits::joints, 0).find("SceneLimits::joints") != std::string::npos);
 }
 
-TEST_CASE("urdf: what is none is refused", "[urdf][errors]") {
+TEST_CASE("urdf: invalid files are refused", "[urdf][errors]") {
   const auto refused = [](const std::string& text) {
     return refusal([&] { parse_urdf(text, {}, "arm.urdf"); }).find("arm.urdf: ") == 0;
   };

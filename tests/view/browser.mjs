@@ -39,5 +39,5 @@ export async function openPage(browser, url, options = {}) {
   return page;
 }
 
-/** What the software renderer says of itself. */
+/** Messages of the software renderer. */
 const harmless = (text) => /GPU stall due to ReadPixels|GL Driver Message/.test(text);

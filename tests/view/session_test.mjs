@@ -90,7 +90,7 @@ describe('a session', {timeout: 900000}, () => {
           await restart();
           ({late, unsure} = await pull(pane));
         }
-        // What is left has to tell more than the margin lets pass.
+        // The rest must differ by more than the margin allows.
         assert.ok(unsure <= MARGIN, `frames ${unsure} s apart tell nothing`);
         const more = Math.max(0, unsure - FRAME);
         assert.ok(late > -more && late <= ONE_WAY[profile] + MARGIN + more,
@@ -111,7 +111,7 @@ describe('a session', {timeout: 900000}, () => {
     await page.locator('#view').focus();
     await page.keyboard.press('Space');
     await until(() => observer.settings.paused, 'the pause');
-    // Where nothing moves, frames come every half second.
+    // While nothing moves, frames come every half second.
     const wait = () => new Promise((resolve) => setTimeout(resolve, 1200));
     await wait();
     const {time} = observer.last;

@@ -76,7 +76,7 @@ test('where nothing moves a frame is shown at once, and there is nothing to draw
     assert.ok(timeline.advance(500 * i));
     near(timeline.time, 0.5 * i);
   }
-  // What moves then is shown as quickly as ever, and so are marks on what rests.
+  // Motion after that is shown as quickly as before, and so are marks on bodies at rest.
   timeline.push(frameAt(4.6), 4516, false);
   assert.ok(!timeline.advance(4516));
   timeline.push({...frameAt(4.6), time: 4.62}, 4533, false);

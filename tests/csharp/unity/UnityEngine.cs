@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
-// The few names of Unity's that the package uses, without what they do: they say that its sources
-// agree with them as we know them, and no more.
+// The few names of Unity's that the package uses, without what they do: they only show that the
+// sources agree with these declarations.
 using System;
 
 namespace UnityEngine {
@@ -29,7 +29,7 @@ public struct Quaternion {
   }
 }
 
-/// <summary>Unity has one as well, which must not be taken for ours.</summary>
+/// <summary>Unity has one too, which must not be confused with ours.</summary>
 public struct Pose {}
 
 public class Object {

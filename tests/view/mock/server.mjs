@@ -105,7 +105,7 @@ export async function startMock({port = 0, token = randomBytes(16).toString('hex
         for (const each of clients) each.tell({type: 'settings', settings: world.settings});
       }
     },
-    /** What the pages' peers have achieved. */
+    /** Scores of the pages' peers. */
     score(final) {
       const outcomes = [{hits: 23, plate_lifted_m: 0.215}, {hits: 23, b_tasks_done: 2}, {hits: 2},
                         {hits: 1}];
