@@ -9,7 +9,7 @@
 namespace tandem::net {
 
 /// Four readings of one exchange, ns: sent here, received there, answered there, received here. The
-/// first and the last are of the own clock, the others of the other end's, as reported.
+/// first and the last are of the local clock, the others of the other end's, as reported.
 struct ClockSample {
   std::int64_t sent = 0;
   std::int64_t their_received = 0;
@@ -17,7 +17,7 @@ struct ClockSample {
   std::int64_t received = 0;
 };
 
-/// Offset of another clock from the own one, by exchanges with its owner. In each period the
+/// Offset of another clock from the local one, by exchanges with its owner. In each period the
 /// fastest outward and the fastest return trip are kept separately; the offset lies between two
 /// lines through the best of each. The certain bound is an interval over all exchanges, widened by
 /// kMaxDrift over time. docs/protocol.md ("Session time").
@@ -44,7 +44,7 @@ class ClockFilter {
     std::int64_t low = 0;     // lower bound of the offset
     std::int64_t high = 0;    // upper bound of the offset
   };
-  /// At the own time `now`, soon after the last exchange. @pre any()
+  /// At the local time `now`, soon after the last exchange. @pre any()
   /// @param drift  of the offset, ns per ns, as far as it is known
   Estimate at(std::int64_t now, double drift) const;
   /// Drifts compatible with the exchanges of the last minute; the true one is very likely among

@@ -152,8 +152,8 @@ void ClockSync::update(std::int64_t now) {
   reference_ = reference.peer;
   if (follow_) {
     if (is_self) {
-      // Continue at the present rate and slowly return to the own clock's: claims are not followed
-      // beyond their peer's presence. Others have taken over this time: no more jumps.
+      // Continue at the present rate and slowly return to the local clock's: claims are not
+      // followed beyond their peer's presence. Others have taken over this time: no more jumps.
       jumped_ |= together;
       if (updated_ != INT64_MIN) {
         drift_ *= pbd::portable::exp(

@@ -19,10 +19,10 @@ struct ClockClaim {
   std::uint8_t rank = 0;        // ClockSync::Rank
 };
 
-/// Session time at one peer: the own clock, which is never set, plus a correction that follows the
-/// session time of one peer, the reference. The reference is the connected peer of the lowest id
-/// among those of the highest rank that most others agree with. docs/protocol.md ("Session time")
-/// has the rules. Times in ns; "own" is the steady clock.
+/// Session time at one peer: the local clock, which is never set, plus a correction that follows
+/// the session time of one peer, the reference. The reference is the connected peer of the lowest
+/// id among those of the highest rank that most others agree with. docs/protocol.md ("Session
+/// time") has the rules. Times in ns; "own" is the steady clock.
 class ClockSync {
  public:
   enum Rank : std::uint8_t { Fresh = 0, Alone = 1, Settled = 2 };
@@ -79,7 +79,7 @@ class ClockSync {
   std::int64_t base_;     // correction at base_at_
   std::int64_t base_at_;  // then,
   double rate_ = 0.0;     // its rate since
-  double drift_ = 0.0;    // part of the rate that is the own clock's error
+  double drift_ = 0.0;    // part of the rate that is the local clock's error
   Rank rank_ = Fresh;
   std::int64_t together_since_ = INT64_MAX;
   bool jumped_ = false;

@@ -6,8 +6,8 @@
 
 namespace tandem::net {
 
-/// When to send the own clock to the other end of a connection: in a packet that leaves anyway, or
-/// alone, more often at the beginning. Never before begin(). Times in ns.
+/// When to send the local clock to the other end of a connection: in a packet that leaves anyway,
+/// or alone, more often at the beginning. Never before begin(). Times in ns.
 class ClockTurns {
  public:
   explicit ClockTurns(std::int64_t now) : opened_(now) {}

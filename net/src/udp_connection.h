@@ -45,7 +45,7 @@ class UdpConnection {
   bool post(std::span<const std::byte> bytes, consensus::Delivery delivery, std::int64_t now);
 
   /// The next datagram to send, empty if none is due. Valid until the next call. Call until it is
-  /// empty. @param clock  the own clock at `now`; null: never sent
+  /// empty. @param clock  the local clock at `now`; null: never sent
   std::span<const std::byte> poll(std::int64_t now, const ClockClaim* clock = nullptr);
   /// When poll() will return a datagram, if nothing comes or is posted before.
   std::int64_t next_due(std::int64_t now);

@@ -40,7 +40,7 @@ class Agreement {
   /// Use the fused estimates as what agreement wants.
   /// @param replayed  the replay brings them to the present
   void want(SharedBody& shared, const pbd::Vec3& asked, bool replayed);
-  /// A body at rest has its mean where it was with the own state `then`, of the oldest stamp. In
+  /// A body at rest has its mean where it was with the local state `then`, of the oldest stamp. In
   /// the demos replaying instead gives the same bits, but the copies of a body that two peers owned
   /// in turn then stay 20 um apart (tests/consensus/peer_owner_test.cpp).
   void stay(const pbd::BodyState& then, pbd::PoseTarget& target);

@@ -12,7 +12,7 @@
 
 namespace tandem::consensus {
 
-/// A remote state that counts, relative to the own state at its stamp.
+/// A remote state that counts, relative to the local state at its stamp.
 struct Stamped {
   SessionTime stamp = 0;  ///< ns
   pbd::BodyState state;

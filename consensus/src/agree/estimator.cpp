@@ -21,7 +21,7 @@ constexpr double kMaxLeadersInfluence = 0.8;
 /// Largest share in a mean at a stamp of a peer that does not own the body.
 constexpr double kMaxOfMean = 0.9999;
 
-/// Weights below this, relative to the own state's 1, are ignored: such a state is neither a vote
+/// Weights below this, relative to the local state's 1, are ignored: such a state is neither a vote
 /// nor worth a replay.
 constexpr double kNegligible = 0.01;
 

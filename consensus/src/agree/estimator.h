@@ -19,7 +19,7 @@ class Estimator {
   Estimator(PeerData& data, Trust& trust, RemoteStates& remote, Placement& placement)
       : data_(data), trust_(trust), remote_(remote), placement_(placement) {}
 
-  /// Collect every peer's newest state of one body, relative to the own state at its stamp, or
+  /// Collect every peer's newest state of one body, relative to the local state at its stamp, or
   /// extrapolated to now if nothing is replayed. If the body's owner says that it has jumped, or
   /// this peer hears of it for the first time, `placement` puts the body there before the next
   /// peer's state is looked at. Placements by earlier states remain.
@@ -52,7 +52,7 @@ class Estimator {
                                std::span<const Inbox::Received> newest) const;
   void hear(SharedBody& shared, std::span<const Inbox::Received> newest, std::size_t i,
             const Listening& listening, bool replays, Estimates& out);
-  /// The share of newest[i], whose sender does not own the body, relative to the own state.
+  /// The share of newest[i], whose sender does not own the body, relative to the local state.
   /// @param angle  rad, between the two states at its stamp
   double share_beside(const SharedBody& shared, std::span<const Inbox::Received> newest,
                       std::size_t i, const Hearing& hearing, double angle,

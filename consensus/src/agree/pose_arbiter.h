@@ -16,7 +16,7 @@ class PoseArbiter {
 
   /// What is left of `weight`: all of it below kFromAngle; beyond, less for a leader and more for a
   /// follower.
-  /// @param angle  rad, between the own orientation at the stamp and the remote one
+  /// @param angle  rad, between the local orientation at the stamp and the remote one
   static double weight(double weight, double angle, bool follows);
 };
 

@@ -17,13 +17,13 @@ class RemoteStates {
   explicit RemoteStates(PeerData& data);
 
   /// A resting body's state is restamped to its sender's newest message, a rounded one is the
-  /// nearest to the own copy that rounds alike, and one stamped ahead is moved back to now. Valid
+  /// nearest to the local copy that rounds alike, and one stamped ahead is moved back to now. Valid
   /// until the next call.
   const StateUpdate& as_meant(const Inbox::Received& received, const SharedBody& shared);
-  /// A state, and the difference of the own one at its stamp to it.
+  /// A state, and the difference of the local one at its stamp to it.
   Stamped compare(const SharedBody& shared, const StateUpdate& update,
                   pbd::Correction& missing) const;
-  /// Each peer's state of a body, brought to now by the own motion since, with its present share;
+  /// Each peer's state of a body, brought to now by the local motion since, with its present share;
   /// appended.
   void as_of_now(const SharedBody& shared, std::span<const Inbox::Received> newest,
                  std::vector<StateUpdate>& out);

@@ -279,7 +279,7 @@ PeerId Settlement::elect() {
                                      [&](std::size_t i) { return rests(bodies_[i], copy.peer); });
     if (at_rest) candidates_.push_back({.peer = copy.peer});
   }
-  // If the own copy moves, an earlier state of rest of the others is no news.
+  // If the local copy moves, an earlier state of rest of the others is no news.
   if (candidates_.size() < 2 || candidates_.front().peer != data_.self()) return 0;
   for (const std::size_t i : members_) {
     for (std::size_t a = 0; a < candidates_.size(); ++a) {

@@ -43,7 +43,7 @@ class Settlement {
   /// State of a shared body, in the order of PeerData::bodies.
   struct Body {
     pbd::BodyId id = {};
-    std::vector<Copy> copies = {};  ///< the own one first, then those that count
+    std::vector<Copy> copies = {};  ///< the local one first, then those that count
     double gap = 0.0;               ///< m, to the furthest copy
     /// m, the largest gap of its island: motion within it is due to agreement alone.
     double slack = 0.0;
@@ -90,7 +90,7 @@ class Settlement {
   bool rests(const Body& body, PeerId peer) const;
   /// A peer's newest state of a body; null if there is none.
   const Inbox::Received* said(std::size_t index, PeerId peer) const;
-  /// Poses of that peer's copy, and of the own one at its stamp.
+  /// Poses of that peer's copy, and of the local one at its stamp.
   pbd::Pose pose_of(std::size_t index, const Inbox::Received& received) const;
   pbd::Pose own_at(std::size_t index, const Inbox::Received& received) const;
   /// m, distance between two peers' copies.

@@ -21,7 +21,7 @@ class Trust {
   bool believes_lead(SharedBody& shared, PeerId from);
   /// Whether a claimed hand is believed that no other peer knows.
   bool believes_hands(std::size_t others) const;
-  /// Whether a majority agrees with newest[i] on the orientation rather than with the own state.
+  /// Whether a majority agrees with newest[i] on the orientation rather than with the local state.
   bool outvoted_at_stamp(const SharedBody& shared, std::span<const Inbox::Received> newest,
                          std::size_t i);
   /// Reduce the weights of estimates far from the rest.

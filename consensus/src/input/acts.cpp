@@ -186,7 +186,7 @@ void Acts::follow(pbd::BodyId body, const Inbox::Received& sent, const pbd::Body
   late.now = {now * change.linear, now * change.angular};
   late.followed = std::min(late.taken, sent.arrival);
   if (!history_.knows(body.index)) return;
-  // Less the displacement beyond the own motion since that state.
+  // Less the displacement beyond the local motion since that state.
   const pbd::BodyState old = history_.state_at(body.index, stamp);
   const double age = seconds(late.taken - stamp);
   const double dt = seconds(late.taken - late.done);

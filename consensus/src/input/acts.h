@@ -108,7 +108,7 @@ class Acts {
   double part_gained(pbd::BodyId body, const pbd::Twist& now, const pbd::Twist& change,
                      SessionTime done) const;
   /// The part of an act's `change`, 0 to 1, by which its actor's state, which includes it, is ahead
-  /// of the own one.
+  /// of the local one.
   double part_missing(pbd::BodyId body, const Inbox::Received& sent,
                       const pbd::Twist& change) const;
   /// Whether a later act has set the body's pose or twist.

@@ -15,7 +15,7 @@ using pbd::Vec3;
 using Matrix = std::array<std::array<double, 5>, 5>;
 
 // Figures: p95 apart of moving bodies at profile 5, and rms of their jerk in m/s^3, over the four
-// seeds used to choose these numbers, with the own hand's velocity from a low-pass of 25 ms.
+// seeds used to choose these numbers, with the local hand's velocity from a low-pass of 25 ms.
 
 /// s, decay time of an acceleration. Cubes 11.6 mm, room 34, a piano with shared springs 4.3; with
 /// 0.6 s 10.6, 38 and 6.3, with the same jerk or more.

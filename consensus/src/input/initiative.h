@@ -32,7 +32,7 @@ class Initiative {
  private:
   void end() { acted_ = 0, strength_ = 0.0; }
 
-  SessionTime acted_ = 0;  ///< ns, when the own user last acted alone; 0 = has no initiative
+  SessionTime acted_ = 0;  ///< ns, when this peer's user last acted alone; 0 = has no initiative
   SessionTime until_ = 0;  ///< ns, end of full initiative
   bool flies_ = false;     ///< has touched nothing since then
   double strength_ = 0.0;

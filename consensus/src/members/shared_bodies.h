@@ -28,8 +28,8 @@ struct Tenure {
   PeerId owner = 0;       ///< 0 = nobody
   SessionTime since = 0;  ///< ns, stamp of the last grant: earlier claims are outdated
   SessionTime heard = 0;  ///< ns, when a peer last claimed to own it; 0 = never asked
-  SessionTime began = 0;  ///< ns, when the own user began to act; 0 = has not requested it
-  SessionTime acted = 0;  ///< ns, when the own user last acted
+  SessionTime began = 0;  ///< ns, when this peer's user began to act; 0 = has not requested it
+  SessionTime acted = 0;  ///< ns, when this peer's user last acted
   SessionTime asked = 0;  ///< ns
 };
 

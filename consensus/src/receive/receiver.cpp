@@ -21,7 +21,7 @@ constexpr SessionTime kMaxAhead = 1'000'000'000;
 /// a step and 1024 4.6 ms (member_budget_test, [.measure]).
 constexpr std::size_t kMaxPeers = 256;
 
-/// Budget of a member: twice as many updates as the own rate, at least 60 per second, of all
+/// Budget of a member: twice as many updates as the local rate, at least 60 per second, of all
 /// bodies, four times a user's largest number of springs and some more; four updates at once. What
 /// exceeds it is not decoded, and after a while its sender is dropped.
 constexpr double kMinRate = 60.0;

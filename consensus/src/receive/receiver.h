@@ -60,7 +60,7 @@ class Receiver {
   /// Whether the stamps in incoming_ are unrelated to session time, as after its sender's clock was
   /// set and it restarted.
   bool is_of_another_clock(Met& met);
-  /// Shift the stamps of incoming_ to the own clock.
+  /// Shift the stamps of incoming_ to the local clock.
   void date(const Packet& packet);
   /// Budget for one member's packets, in the units of work_of().
   void set_budget(pbd::TokenBucket& budget) const;

@@ -28,10 +28,10 @@ constexpr std::size_t kTogether = 3;
 /// whole share (cubes, six seeds).
 constexpr double kCarried = 0.5;
 
-/// Another peer's state moved from its stamp to the frame: the difference to the own motion is
+/// Another peer's state moved from its stamp to the frame: the difference to the local motion is
 /// kept. Tennis off the grid, profile 3, all p95: 6.3 mm, 20 without it. An owner's state is
-/// extrapolated by its own velocity: the own motion contains the whole last correction, which would
-/// be made again (tests/consensus/peer_owner_test.cpp, a chain).
+/// extrapolated by its own velocity: the local motion contains the whole last correction, which
+/// would be made again (tests/consensus/peer_owner_test.cpp, a chain).
 pbd::BodyState at_frame(const WorldHistory& history, const Replay::News& news) {
   const SessionTime time = history.frame(news.frame).time;
   if (time == news.stamp) return news.state;

@@ -27,10 +27,10 @@ class Replay {
     std::uint32_t slot = 0;
     PeerId peer = 0;
     SessionTime stamp = 0;  ///< ns
-    double weight = 0.0;    ///< relative to the own state's 1; infinity = an owner's
+    double weight = 0.0;    ///< relative to the local state's 1; infinity = an owner's
     bool carried = false;   ///< extrapolated to the replay's start
     pbd::BodyState state;
-    std::size_t frame = 0;  ///< set: frame of the own history nearest to the stamp
+    std::size_t frame = 0;  ///< set: frame of the local history nearest to the stamp
   };
   /// A body whose motion is known and not simulated by the replay.
   struct Prescribed {

@@ -55,7 +55,7 @@ class ReplaySchedule {
   /// Steps: if the news are no older, every step has a target, by a new replay or by the last one.
   static double goes_back(double budget);
   /// Whether the budget allows a new replay now.
-  /// @param start  frame at which it would begin    @param awake  bodies, of the own world
+  /// @param start  frame at which it would begin    @param awake  bodies, of the local world
   bool is_due(const WorldHistory& history, std::size_t start, std::size_t awake, double budget);
   /// A replay was begun.
   void begun() { old_ = 0; }

@@ -16,7 +16,7 @@ class ReplayTethers {
       : history_(history), springs_(springs), inputs_(inputs) {}
 
   /// `scratch` is a copy of `world`, with these rows of the springs' block.
-  /// @param known_until  ns, end of the own inputs used with ReplayInputs::Common
+  /// @param known_until  ns, end of the local inputs used with ReplayInputs::Common
   void begin(const pbd::World& world, pbd::World& scratch, std::span<const pbd::ConstraintId> rows,
              SessionTime known_until);
   /// Set them for the step of `dt` s from that time on.
