@@ -4,7 +4,7 @@
 
 #ifdef _WIN32
 #include <windows.h>
-// After it.
+// After windows.h.
 #include <csignal>
 #endif
 
@@ -12,9 +12,9 @@ namespace tandem::net {
 
 #ifdef _WIN32
 
-/// A console that is closed, or a user who logs off, is as Ctrl+Break to who listens for that.
-/// Windows ends the process as soon as this returns, or after 5 s: so it does not return, and the
-/// process ends by its own.
+/// Passes the closing of a console, a log-off or a shutdown on as Ctrl+Break, if the program listens
+/// for that. Windows ends the process as soon as this returns, or after 5 s. So it never returns:
+/// the program has 5 s to leave.
 inline BOOL WINAPI on_console_close(DWORD event) {
   const bool closes =
       event == CTRL_CLOSE_EVENT || event == CTRL_LOGOFF_EVENT || event == CTRL_SHUTDOWN_EVENT;
@@ -26,7 +26,7 @@ inline BOOL WINAPI on_console_close(DWORD event) {
   return TRUE;
 }
 
-/// From the first call on. Never undone: while a console closes, its list of functions is locked.
+/// Starts listening; never undone, since the console's list of handlers is locked while it closes.
 inline void listen_to_console_close() {
   [[maybe_unused]] static const BOOL listens = SetConsoleCtrlHandler(on_console_close, TRUE);
 }

@@ -97,10 +97,9 @@ struct JointSlot {
   JointSlotMotion start;            ///< before gravity and other forces; loops only
   Quat q_start = Quat::Identity();  ///< at the start of the substep
   JointSlotPlace before;
-  bool alone = false;    ///< no other rows have turned it before
-  bool carried = false;  ///< its turn is an impulse at the start of the substep
-  LocalInertia local;    ///< at the start of the step; 0: not computed yet
-  JointSlotMove seen;    ///< the body's corrections when its part converged
+  bool alone = false;  ///< no other rows have turned it before, and no axis is locked
+  LocalInertia local;  ///< at the start of the step; 0: not computed yet
+  JointSlotMove seen;  ///< the body's corrections when its part converged
   // As of the plan:
   bool turns_freely = false;
   bool primary = false;  ///< first slot of its body
