@@ -12,9 +12,9 @@ namespace tandem::net {
 
 #ifdef _WIN32
 
-/// Passes the closing of a console, a log-off or a shutdown on as Ctrl+Break, if the program listens
-/// for that. Windows ends the process as soon as this returns, or after 5 s. So it never returns:
-/// the program has 5 s to leave.
+/// Passes the closing of a console, a log-off or a shutdown on as Ctrl+Break, if the program
+/// listens for that. Windows ends the process as soon as this returns, or after 5 s. So it never
+/// returns: the program has 5 s to leave.
 inline BOOL WINAPI on_console_close(DWORD event) {
   const bool closes =
       event == CTRL_CLOSE_EVENT || event == CTRL_LOGOFF_EVENT || event == CTRL_SHUTDOWN_EVENT;
