@@ -150,8 +150,15 @@ void Trust::limit(const pbd::BodyState& own, Wanted& wanted) {
   target.pose.position = within(target.pose.position, own.pose.position, step);
   target.twist.linear = within(target.twist.linear, own.twist.linear, kick);
   target.twist.angular = within(target.twist.angular, own.twist.angular, most.max_spin_correction);
-  if (target.use_rotation_error) {
-    target.rotation_error = cut(target.rotation_error, most.max_turn * inverse, capped);
+  const pbd::Vec3 turn = target.use_rotation_error
+                             ? target.rotation_error
+                             : pbd::rotation_between(own.pose.orientation, target.pose.orientation);
+  bool too_far = false;
+  const pbd::Vec3 less = cut(turn, most.max_turn * inverse, too_far);
+  if (too_far) {
+    capped = true;
+    target.rotation_error = less;
+    target.use_rotation_error = true;
   }
   if (capped) ++data_.report_of(wanted.heaviest).capped;
 }
