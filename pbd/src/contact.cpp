@@ -226,6 +226,7 @@ double ContactBlock::project(const SubstepContext& ctx) {
   });
   const ContactConvergence::Rule rule{.tolerance = m.options.resting_tolerance * fall_of(ctx),
                                       .rows = m.rows_to_sweep(own.budget_spent, ctx),
+                                      .sweeps = m.options.extra_sweeps,
                                       .first_substep = first_substep};
   const auto [swept, open] = own.convergence.run(rule, m.order, ctx.group, ctx.reverse, rows,
                                                  *m.kernels, ctx.bodies, *ctx.workers);

@@ -106,9 +106,10 @@ ContactConvergence::Outcome ContactConvergence::run(const Rule& rule, ContactOrd
   ++sweep_;
   order.sweep(group, false, workers, [&](std::uint32_t k) { note(k, rows[k], kAllLanes); });
   const BodyNumbers numbers = numbers_of(bodies);
-  for (;;) {
+  for (int sweep = 0;; ++sweep) {
     find_open(static_cast<float>(rule.tolerance), workers);
     outcome.open = std::accumulate(octaves_.begin(), octaves_.end(), 0);
+    if (sweep == rule.sweeps) return outcome;
     const int left = rule.rows - outcome.swept;
     if (left < rule.rows / kNotWorthIt) return outcome;
     std::size_t lowest = 0;

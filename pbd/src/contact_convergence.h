@@ -26,6 +26,7 @@ class ContactConvergence {
   struct Rule {
     double tolerance = 0.0;      ///< m/s, a smaller change of a normal velocity counts as solved
     int rows = 0;                ///< budget of rows to sweep again
+    int sweeps = 0;              ///< limit
     bool first_substep = false;  ///< see normal_friction_iterations()
   };
   struct Outcome {

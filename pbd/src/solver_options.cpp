@@ -26,6 +26,7 @@ bool SolverOptions::validate(std::string* error) const {
          in_range(sleep_spin, 0.0, 1e6, "sleep_spin", error) &&
          in_range(threads, 1, 64, "threads", error) &&
          in_range(contact.extra_rows, 0, 1e9, "contact.extra_rows", error) &&
+         in_range(contact.extra_sweeps, 0, 1e9, "contact.extra_sweeps", error) &&
          in_range(contact.resting_tolerance, 0.0, 1e6, "contact.resting_tolerance", error) &&
          in_range(contact.push_speed, 0.0, 1e6, "contact.push_speed", error) &&
          in_range(contact.warm_start_gap, 0.0, 1.0, "contact.warm_start_gap", error) &&

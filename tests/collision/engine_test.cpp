@@ -320,6 +320,31 @@ TEST_CASE("engine: what floats and is squeezed is solved", "[collision][regressi
   }
 }
 
+TEST_CASE("engine: a row that is squeezed is swept again no more often than asked", "[collision]") {
+  const auto most_sweeps = [](int limit) {
+    Fixture f;
+    f.world.set_contact_source(&f.scene);
+    f.world.set_gravity(Vec3::Zero());
+    std::vector<BodyId> row;
+    for (int i = 0; i < 10; ++i) row.push_back(f.add(Box{0.1, 0.1, 0.1}, at(0.2 * i, 0.0, 0.0)));
+    pbd::Solver solver({.contact = {.extra_sweeps = limit}, .sleep_after = 0.0});
+    double most = 0.0;
+    for (int k = 0; k < 10; ++k) {
+      f.world.apply_force(row.front(), Vec3(10.0, 0.0, 0.0));
+      f.world.apply_force(row.back(), Vec3(-10.0, 0.0, 0.0));
+      const pbd::StepReport& report = solver.step(f.world, kDt);
+      const pbd::BlockReport& contacts = report.blocks.at(0);
+      most = std::max(most, contacts.extra_rows / (4.0 * contacts.rows));
+    }
+    return most;
+  };
+  CHECK(most_sweeps(0) == 0.0);
+  const double few = most_sweeps(3);
+  CHECK(few > 0.0);
+  CHECK(few <= 3.0);
+  CHECK(most_sweeps(1'000'000) > 3.0);
+}
+
 TEST_CASE("engine: what floats bounces, but for what hardly moves", "[collision][analytic]") {
   for (const double speed : {10.0, 1.0, 0.1, 1e-4}) {
     Fixture f;

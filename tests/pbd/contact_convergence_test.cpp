@@ -51,9 +51,9 @@ struct Train {
                     numbers_of(bodies));
     }
   }
-  ContactConvergence::Outcome run(double tolerance, int most) {
-    return convergence.run({.tolerance = tolerance, .rows = most}, order, 0, false, rows, kernels,
-                           bodies, workers);
+  ContactConvergence::Outcome run(double tolerance, int most, int sweeps = 1'000'000) {
+    return convergence.run({.tolerance = tolerance, .rows = most, .sweeps = sweeps}, order, 0,
+                           false, rows, kernels, bodies, workers);
   }
 };
 
@@ -104,6 +104,10 @@ TEST_CASE("convergence: the budget holds, goes to the hardest blow and says what
   CHECK(train.rows[9].impulse[0][0] == soft);
   CHECK(train.rows[29].impulse[0][0] > hard);
   CHECK(train.run(1e-6, 0).swept == 0);
+  const auto [swept, open] = train.run(1e-6, 1'000'000, 3);
+  CHECK(swept > 0);
+  CHECK(swept <= 3 * static_cast<int>(train.count()));
+  CHECK(open > 0);
 }
 
 }  // namespace contact_convergence_test

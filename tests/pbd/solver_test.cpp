@@ -62,6 +62,7 @@ TEST_CASE("solver: options out of range are refused naming field, value and rule
       {"velocity_iterations", "is -1", [](SolverOptions& o) { o.velocity_iterations = -1; }},
       {"velocity_tolerance", "-0.5", [](SolverOptions& o) { o.velocity_tolerance = -0.5; }},
       {"contact.push_speed", "inf", [](SolverOptions& o) { o.contact.push_speed = kInf; }},
+      {"contact.extra_sweeps", "is -1", [](SolverOptions& o) { o.contact.extra_sweeps = -1; }},
       {"contact.resting_tolerance", "is -1",
        [](SolverOptions& o) { o.contact.resting_tolerance = -1.0; }},
       {"contact.warm_start_gap", "nan", [](SolverOptions& o) { o.contact.warm_start_gap = kNan; }},
