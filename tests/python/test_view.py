@@ -8,6 +8,7 @@ import gc
 import http.client
 import json
 import os
+import pathlib
 import socket
 import struct
 import subprocess
@@ -439,8 +440,98 @@ def test_show_keeps_to_real_time(scene, monkeypatch):
 
 def test_what_is_no_scene_is_refused():
     for wrong in (None, 5, [], tandem.Batch([tandem.Scene()])):
-        with pytest.raises(ValueError, match="scene must be a Scene, is a " + type(wrong).__name__):
+        with pytest.raises(ValueError, match="scene must be a Scene or .* is a " + type(wrong).__name__):
             tandem.view(wrong, open_browser=False)
+
+
+BALL = """{"gravity": [0, 0, -5], "bodies": [
+  {"name": "ball", "shape": {"type": "sphere", "radius": 0.25}, "position": [1, 2, 3]}]}"""
+ARM = """<robot name="arm"><link name="base"/>
+  <link name="arm"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <collision><origin xyz="0 0 0.5"/><geometry><box size="0.1 0.2 1"/></geometry></collision></link>
+  <joint name="elbow" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="1 0 0"/></joint></robot>"""
+PENDULUM = """<mujoco><worldbody><body name="arm" pos="0 0 2"><joint name="hinge" axis="0 1 0"/>
+  <geom type="capsule" size="0.1 0.4"/></body></worldbody>
+  <keyframe><key name="out" qpos="0.5"/></keyframe></mujoco>"""
+
+
+def has_reader(ending):
+    """Whether the package was built with it: without, each such file is refused by that name."""
+    try:
+        tandem.Scene.load("none" + ending)
+    except ValueError as error:
+        return "no reader" not in str(error)
+
+
+@pytest.mark.parametrize("kind", (str, pathlib.Path))
+def test_a_file_is_shown_as_its_scene_is(tmp_path, kind):
+    path = tmp_path / "ball.json"
+    path.write_text(BALL)
+    with tandem.view(kind(path), open_browser=False, substeps=4) as page:
+        assert page.scene.names == ["ball"] and page.scene.gravity == pytest.approx((0, 0, -5))
+        client = Client(page)
+        ((index, row),) = client.next().items()
+        assert row[:3] == pytest.approx((1, 2, 3))
+        assert client.shape(client.parts(page.scene.find("ball"))[0][0]) == {"kind": "sphere", "radius": 0.25}
+        page.scene.step(1 / 60, steps=6)
+        page.show(pace=False)
+        # 0.1 s of fall at 5 m/s^2, within a substep's length of time.
+        assert client.next()[index][2] == pytest.approx(3 - 0.5 * 5 * 0.1**2, abs=5 * 0.1 / 240)
+
+
+def test_robots_are_shown_if_the_readers_are_there(tmp_path):
+    for name, text, options in (("arm.urdf", ARM, {"fixed_base": True}), ("arm.xml", PENDULUM, {"keyframe": "out"})):
+        path = tmp_path / name
+        path.write_text(text)
+        if not has_reader(path.suffix):
+            with pytest.raises(ValueError, match=f"{name}: this build has no reader"):
+                tandem.view(path, open_browser=False, **options)
+            continue
+        with tandem.view(path, open_browser=False, **options) as page:
+            row = Client(page).next()[page.scene.find("arm").index]
+            # The MJCF arm turns by 0.5 rad about y: w is the cosine of half of it.
+            assert abs(row[6]) == pytest.approx(1 if name == "arm.urdf" else np.cos(0.25), abs=1e-6)
+
+
+def test_meshes_are_found_beside_the_file_or_in_packages(tmp_path):
+    corners = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS)
+    (tmp_path / "unit.obj").write_text(corners + "f 1 2 3\nf 4 6 7\nf 5 6 8\nf 1 5 7\n")
+    path = tmp_path / "block.urdf"
+    for name, options in (("unit.obj", {}), ("package://blocks/unit.obj", {"packages": {"blocks": tmp_path}})):
+        path.write_text(
+            f'<robot name="r"><link name="block"><collision><geometry><mesh filename="{name}"/></geometry>'
+            "</collision></link></robot>"
+        )
+        if not has_reader(".urdf"):
+            with pytest.raises(ValueError, match="block.urdf: this build has no reader of URDF"):
+                tandem.Scene.load(path, **options)
+            continue
+        scene = tandem.Scene.load(path, **options)
+        assert scene.warnings == []
+        ((shape, _, _),) = scene.find("block").shapes
+        assert sorted(map(tuple, np.round(shape.vertices, 6).tolist())) == CORNERS
+
+
+def test_what_is_no_scene_file_is_refused_by_name(tmp_path):
+    here = tmp_path / "scene.json"
+    here.write_text(BALL)
+    broken = tmp_path / "broken.json"
+    broken.write_text("{")
+    for path, options, rule in (
+        (tmp_path / "none.json", {}, "none.json: file must be one that is there"),
+        (tmp_path / "none.glb", {}, "none.glb: file must be one that is there"),
+        (broken, {}, "broken.json"),
+        (tmp_path / "model.step", {}, r"ends in one of .json, .gltf, .*, is .*model\.step"),
+        ("", {}, "ends in one of"),
+        (here, {"packages": {}}, "packages must be left out unless the file is URDF, is .*scene.json"),
+        (here, {"keyframe": "home"}, "keyframe must be left out unless the file is MJCF, is .*scene.json"),
+    ):
+        with pytest.raises(ValueError, match=rule):
+            tandem.view(path, open_browser=False, **options)
+    with pytest.raises(TypeError, match="substeps must be left out"):
+        tandem.view(tandem.Scene(), open_browser=False, substeps=3)
+    with pytest.raises(TypeError, match="colour"):
+        tandem.view(here, open_browser=False, colour="red")
 
 
 def test_a_page_that_is_closed_at_the_interpreters_end_does_not_hold_it():

@@ -4,13 +4,17 @@
 // Scenes from files and as text, and their names.
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
+#include <cctype>
 #include <exception>
 #include <set>
+#include <utility>
 
 #include "bind.h"
 #include "body.h"
 #include "joint.h"
 #include "keywords.h"
+#include "robot_file.h"
 #include "scene_options.h"
 
 namespace tandem::python {
@@ -18,10 +22,34 @@ namespace {
 
 enum class SceneFormat { Json, Gltf };
 
+/// @throws std::invalid_argument if it was given although the file's format has no such option
+void require_format(bool fits, const py::kwargs& given, const char* name, const char* format,
+                    const std::filesystem::path& path) {
+  if (!fits && given.contains(name)) {
+    pbd::detail::refuse(name, std::string("left out unless the file is ") + format, path.string());
+  }
+}
+
 CorePtr load(const std::filesystem::path& path, const py::kwargs& given) {
-  const SceneOptions options = options_of(given, "load");
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool urdf = ending == ".urdf", mjcf = ending == ".xml" || ending == ".mjcf";
+  py::kwargs rest(py::dict(given.attr("copy")()));
+  RobotOptions robot;
+  take(rest, "packages", robot.packages);
+  take(rest, "fixed_base", robot.fixed_base);
+  take(rest, "keyframe", robot.keyframe);
+  require_format(urdf, rest, "packages", "URDF", path);
+  require_format(urdf, rest, "fixed_base", "URDF", path);
+  require_format(mjcf, rest, "keyframe", "MJCF", path);
+  for (const char* name : {"packages", "fixed_base", "keyframe"})
+    rest.attr("pop")(name, py::none());
+  robot.scene = options_of(rest, "load");
+  if (mjcf) return std::make_shared<Core>(load_mjcf_file(path, robot));
   const py::gil_scoped_release released;
-  return std::make_shared<Core>(load_scene(path, options));
+  return std::make_shared<Core>(urdf ? load_urdf_file(path, std::move(robot))
+                                     : load_scene(path, robot.scene));
 }
 
 CorePtr parse(const std::string& text, const py::kwargs& given) {
@@ -113,10 +141,13 @@ void translate(std::exception_ptr thrown) {
 
 void bind_files(SceneClass& scene) {
   py::register_local_exception_translator(&translate);
-  scene.def_static("load", &load, py::arg("path"), R"(A scene from a file, without the GIL.
+  scene.def_static("load", &load, py::arg("path"),
+                   R"(A scene from a file, without the GIL unless it is MJCF.
 
-Tandem's own format (docs/scene_files.md), or glTF where it ends in .gltf or .glb. Keywords as of Scene();
-gravity is the file's where that says one. What is wrong with it is a ValueError that names file, place in
+Tandem's own format (docs/scene_files.md); glTF where it ends in .gltf or .glb, and, if the build has the
+readers, URDF (.urdf) and MJCF (.xml, .mjcf). Keywords as of Scene(); gravity is the file's where that says
+one. Of URDF also packages (folders by name, for meshes; "" is that of relative names, by default the file's
+own folder) and fixed_base; of MJCF keyframe. What is wrong with it is a ValueError that names file, place in
 it, rule and value; strangers' files may be read. Bodies keep their names: see find() and names.)");
   scene.def_static("parse", &parse, py::arg("text"),
                    R"(A scene from a text (str or bytes), as load() has it.

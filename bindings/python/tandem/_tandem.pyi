@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Copyright (c) 2026 The Tandem authors
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from types import TracebackType
 from typing import Literal
@@ -378,6 +378,9 @@ class Scene:
     def load(
         path: str | PathLike[str],
         *,
+        packages: Mapping[str, str | PathLike[str]] = ...,
+        fixed_base: bool = ...,
+        keyframe: str = ...,
         gravity: ArrayLike = ...,
         substeps: int = ...,
         position_iterations: int = ...,

@@ -25,12 +25,28 @@ MAX_FIELD = 512  # points of a height field along each side that are drawn; of l
 LATE = 0.25  # s, of what the scene is behind real time, that it catches up with
 LEAP = 1.0  # s, that show() waits at most
 
+ENDINGS = (".json", ".gltf", ".glb", ".urdf", ".xml", ".mjcf")  # of scene files
+
 BodyKey = tuple[int, int]  # index and generation
 
 
 def _has_display() -> bool:
     """Without one, browsers of a terminal would be opened, and waited for."""
     return sys.platform != "linux" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
+
+def _scene_of(scene: object, options: dict[str, Any]) -> Scene:
+    """The scene itself, or that of a file."""
+    if isinstance(scene, _tandem.Scene):
+        if options:
+            raise TypeError(f"tandem.view: {next(iter(options))} must be left out: the scene is not from a file")
+        return scene
+    if not isinstance(scene, (str, os.PathLike)):
+        raise ValueError(f"tandem.view: scene must be a Scene or the path of a file, is a {type(scene).__name__}")
+    path = os.fsdecode(scene)
+    if os.path.splitext(path)[1].lower() not in ENDINGS:
+        raise ValueError(f"tandem.view: scene must be a file that ends in one of {', '.join(ENDINGS)}, is {path}")
+    return Scene.load(path, **options)
 
 
 def _packed(array: NDArray[Any], kind: str) -> str:
@@ -83,12 +99,12 @@ class View:
     It is a context manager too, and ends with close(), or when nothing refers to it any more.
     """
 
-    def __init__(self, scene: Scene, *, open_browser: bool = True) -> None:
+    def __init__(
+        self, scene: Scene | str | os.PathLike[str], *, open_browser: bool = True, **options: Any
+    ) -> None:
         from .view_server import Server  # http.server takes a while, and few want it
 
-        if not isinstance(scene, _tandem.Scene):
-            raise ValueError(f"tandem.view: scene must be a Scene, is a {type(scene).__name__}")
-        self._scene = scene
+        self._scene = scene = _scene_of(scene, options)
         self._open = True
         self._number = 0
         self._scene_number = 0
@@ -122,6 +138,11 @@ class View:
     def url(self) -> str:
         """its address, for this machine and whoever is told the address"""
         return self._server.url
+
+    @property
+    def scene(self) -> Scene:
+        """what is shown; that of the file, if it was made from one"""
+        return self._scene
 
     @property
     def open(self) -> bool:
@@ -216,10 +237,11 @@ class View:
         self.close()
 
 
-def view(scene: Scene, *, open_browser: bool = True) -> View:
+def view(scene: Scene | str | os.PathLike[str], *, open_browser: bool = True, **options: Any) -> View:
     """Show a scene in the browser, from a server of this process that this machine alone can reach.
 
-    Prints the address and returns at once. The page shows what show() has published last.
+    Prints the address and returns at once. The page shows what show() has published last. A path is that of a
+    scene file, which Scene.load() reads with the other keywords; the View's scene is then the file's.
 
     >>> import tandem
     >>> scene = tandem.Scene()
@@ -232,4 +254,4 @@ def view(scene: Scene, *, open_browser: bool = True) -> View:
     >>> page.open
     False
     """
-    return View(scene, open_browser=open_browser)
+    return View(scene, open_browser=open_browser, **options)
