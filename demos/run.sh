@@ -13,6 +13,8 @@
 #   demos/run.sh room-link
 # or draws key frames of all of them as PNG (needs Chromium):
 #   demos/run.sh --pictures docs/img
+# or the robots of docs/robots.md, from clones of the repositories that it names (also needs MuJoCo and urdfdom):
+#   demos/run.sh --robots FOLDER
 # or README's moving picture (also needs Debian's webp):
 #   demos/run.sh --moving-picture docs/img/piano.webp
 # Results go to standard output, the build's messages to standard error.
@@ -23,6 +25,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 packages=()
 for argument in "$@"; do
   [[ $argument != --view* && $argument != --*picture* ]] || packages=(--with-view)
+  [[ $argument != --robots ]] || packages=(--with-view --with-robots)
 done
 
 build() {
@@ -92,10 +95,21 @@ run_room_link() {
   exec "$root/build/room/bin/tandem-room" --page "$page" "$@"
 }
 
-# NODE_SCRIPT ARGUMENT..., with the demos' programs and a browser.
+# A build of its own, as other programs do without the readers of robots.
+build_scene_view() {
+  bash "$root/cmake/install-deps.sh" "${packages[@]}" >&2
+  (
+    cd "$root"
+    cmake --preset release -B build/robots -DTANDEM_WITH_URDF=ON -DTANDEM_WITH_MJCF=ON \
+      -DTANDEM_BUILD_BENCHMARKS=OFF >&2
+    cmake --build build/robots --target scene_view >&2
+  )
+}
+
+# NODE_SCRIPT ARGUMENT..., with the programs of TANDEM_BIN, or the demos', and a browser.
 draw() {
   npm --prefix "$root/tests/view" ci --no-audit --no-fund >&2
-  TANDEM_BIN=$root/build/release/bin exec node "$root/tests/view/$1" "${@:2}"
+  TANDEM_BIN=${TANDEM_BIN:-$root/build/release/bin} exec node "$root/tests/view/$1" "${@:2}"
 }
 
 case ${1:-} in
@@ -108,6 +122,12 @@ case ${1:-} in
   --pictures)
     build cliff cubes piano pile room tennis
     draw pictures.mjs "$(realpath -m "${2:-pictures}")" "${@:3}"
+    ;;
+  --robots)
+    [[ $# -ge 2 ]] || { echo "run.sh: --robots needs the folder of the repositories" >&2; exit 2; }
+    build_scene_view
+    TANDEM_BIN=$root/build/robots/bin
+    draw robots.mjs "$(realpath "$2")" "$root/docs/img/robots" "${@:3}"
     ;;
   --moving-picture)
     build piano

@@ -14,9 +14,9 @@ std::size_t Scene::index_of(std::string_view name) const {
   pbd::detail::refuse("scene: name", "that of a shared body", name);
 }
 
-BodiesBySlot::BodiesBySlot(const Scene& scene)
-    : indices_(scene.world->slot_count(), pbd::BodyId::kNone) {
-  for (std::uint32_t i = 0; i < scene.bodies.size(); ++i) indices_[scene.bodies[i].body.index] = i;
+BodiesBySlot::BodiesBySlot(const pbd::World& world, std::span<const SceneBody> bodies)
+    : indices_(world.slot_count(), pbd::BodyId::kNone) {
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) indices_[bodies[i].body.index] = i;
 }
 
 std::uint64_t scene_hash(const Scene& scene) {

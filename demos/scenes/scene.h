@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -66,7 +67,8 @@ struct Scene {
 class BodiesBySlot {
  public:
   BodiesBySlot() = default;
-  explicit BodiesBySlot(const Scene& scene);
+  explicit BodiesBySlot(const Scene& scene) : BodiesBySlot(*scene.world, scene.bodies) {}
+  BodiesBySlot(const pbd::World& world, std::span<const SceneBody> bodies);
   /// Its index into Scene::bodies; BodyId::kNone if it is not shared.
   std::uint32_t index_of(const pbd::BodyId& body) const {
     return body.index < indices_.size() ? indices_[body.index] : pbd::BodyId::kNone;

@@ -103,6 +103,11 @@ void write(JsonWriter& json, const Settings& settings) {
   json.end_object();
 }
 
+void write_speeds(JsonWriter& json) {
+  json.key("speed").begin_array().value(kMinSpeed).value(kMaxSpeed).end_array();
+}
+
+/// All that a page can switch in a session.
 void write_choices(JsonWriter& json) {
   json.begin_object().key("profile").begin_array();
   for (int profile = 0; profile <= kMaxProfile; ++profile) json.value(profile);
@@ -114,7 +119,8 @@ void write_choices(JsonWriter& json) {
   for (int scheme = 0; scheme <= static_cast<int>(Scheme::SingleOwner); ++scheme) {
     json.value(to_string(static_cast<Scheme>(scheme)));
   }
-  json.end_array().key("speed").begin_array().value(kMinSpeed).value(kMaxSpeed).end_array();
+  json.end_array();
+  write_speeds(json);
   json.key("influence").begin_array().value(0.0).value(kMaxInfluence).end_array().end_object();
 }
 
@@ -152,7 +158,9 @@ Layout make_layout(std::string name, const Scene& scene, double max_distance,
 std::string hello_text(const Layout& layout, const Scene& scene, const Settings& settings) {
   JsonWriter json;
   json.begin_object().field("type", "hello").field("protocol", kProtocol);
-  json.field("scene", layout.scene).field("live", layout.live).key("peers").begin_array();
+  json.field("scene", layout.scene).field("live", layout.live);
+  if (layout.alone) json.field("alone", true);
+  json.key("peers").begin_array();
   for (const PaneInfo& pane : layout.panes) {
     json.begin_object().field("id", pane.id).field("hz", pane.hz);
     json.field("engine", pane.engine).field("beside", pane.beside).end_object();
@@ -175,7 +183,11 @@ std::string hello_text(const Layout& layout, const Scene& scene, const Settings&
   json.end_array().key("settings");
   write(json, settings);
   json.key("choices");
-  if (layout.live) {
+  if (layout.alone) {
+    json.begin_object();
+    write_speeds(json);
+    json.end_object();
+  } else if (layout.live) {
     write_choices(json);
   } else {
     json.begin_object().end_object();

@@ -77,13 +77,11 @@ void PaneWatch::forget() {
   heard_ = false;
 }
 
-void append_contacts(const Scene& scene, std::span<const pbd::Pose> poses,
-                     std::vector<ContactMark>& out) {
-  const pbd::World& world = *scene.world;
+void append_contacts(const pbd::World& world, const BodiesBySlot& shown,
+                     std::span<const pbd::Pose> poses, std::vector<ContactMark>& out) {
   if (world.contacts() == nullptr) return;
-  const BodiesBySlot shared(scene);
   const auto pose_of = [&](const pbd::BodyId& id) {
-    const std::uint32_t index = shared.index_of(id);
+    const std::uint32_t index = shown.index_of(id);
     return index == pbd::BodyId::kNone ? world.pose(id) : poses[index];
   };
   for (const pbd::Contact& contact : world.contacts()->contacts()) {
@@ -91,8 +89,8 @@ void append_contacts(const Scene& scene, std::span<const pbd::Pose> poses,
     const pbd::BodyId a = world.body_at(manifold.body_a);
     const pbd::BodyId b = world.body_at(manifold.body_b);
     if (!a.valid() || !b.valid() || !contact.loaded()) continue;
-    const std::uint32_t first = shared.index_of(a);
-    const std::uint32_t body = first == pbd::BodyId::kNone ? shared.index_of(b) : first;
+    const std::uint32_t first = shown.index_of(a);
+    const std::uint32_t body = first == pbd::BodyId::kNone ? shown.index_of(b) : first;
     const pbd::Pose pose_a = pose_of(a), pose_b = pose_of(b);
     for (int i = 0; i < manifold.count; ++i) {
       if (out.size() >= kMaxContacts) return;

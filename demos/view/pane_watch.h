@@ -57,9 +57,13 @@ class PaneWatch final : public consensus::PeerObserver {
 };
 
 /// Contacts to draw over a pane.
-/// @param poses  of the scene's bodies as drawn
-void append_contacts(const Scene& scene, std::span<const pbd::Pose> poses,
-                     std::vector<ContactMark>& out);
+/// @param shown  the pane's bodies @param poses  of them, as drawn
+void append_contacts(const pbd::World& world, const BodiesBySlot& shown,
+                     std::span<const pbd::Pose> poses, std::vector<ContactMark>& out);
+inline void append_contacts(const Scene& scene, std::span<const pbd::Pose> poses,
+                            std::vector<ContactMark>& out) {
+  append_contacts(*scene.world, BodiesBySlot(scene), poses, out);
+}
 
 /// Springs to draw over a pane. A peer's springs have no user; the user's peer has an identical
 /// one.

@@ -58,6 +58,7 @@ inline constexpr double kCommandsPerSecond = 240;  ///< per page
 struct Layout {
   std::string scene;
   bool live = true;             ///< it can be paused and switched
+  bool alone = false;           ///< one world without peers: it has neither link nor scheme
   std::vector<PaneInfo> panes;  ///< those of the second run last
   double position_unit = 1e-5;  ///< m, resolution of positions
   struct Body {

@@ -22,6 +22,8 @@ if [[ -n $bin ]]; then
   [[ -x $bin/cubes ]] || { echo "tests/view: $bin/cubes is not there" >&2; exit 1; }
   export TANDEM_BIN=$bin
   tests+=("$here/session_test.mjs")
+  # Only where scene files can be read.
+  [[ ! -x $bin/scene_view ]] || tests+=("$here/scene_view_test.mjs")
 fi
 # One after another: each has a browser that draws in software.
 exec node --test --test-concurrency=1 "$@" "${tests[@]}"

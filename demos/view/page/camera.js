@@ -34,12 +34,20 @@ export function parseLook(text) {
   return {azimuth: n[0], elevation: n[1], width: n[2], height: n[3], target: n.slice(4)};
 }
 
-/** @param {string} scene @param {THREE.Box3} box  m, around moving bodies @returns {Look} */
+/** @param {string} scene @param {THREE.Box3} box  m, around all that is to be seen @returns {Look} */
 export function lookAt(scene, box) {
   if (LOOKS[scene]) return structuredClone(LOOKS[scene]);
-  const centre = box.getCenter(new THREE.Vector3());
-  const size = Math.max(0.2, box.getSize(new THREE.Vector3()).length());
-  return {target: centre.toArray(), azimuth: -60, elevation: 22, width: 1.15 * size, height: size};
+  const [azimuth, elevation] = [-52, 16];
+  if (box.isEmpty()) return {target: [0, 0, 0], azimuth, elevation, width: 2, height: 1.5};
+  const [x, y, z] = box.getSize(new THREE.Vector3()).toArray();
+  const [a, e] = [radians(azimuth), radians(elevation)];
+  const deep = Math.abs(x * Math.cos(a)) + Math.abs(y * Math.sin(a));
+  const width = Math.abs(x * Math.sin(a)) + Math.abs(y * Math.cos(a));
+  const height = z * Math.cos(e) + deep * Math.sin(e);
+  // What is nearer than the centre looks larger.
+  const margin = (length) => Math.max(0.1, 1.12 * length + 0.12 * deep);
+  return {target: box.getCenter(new THREE.Vector3()).toArray(), azimuth, elevation,
+          width: margin(width), height: margin(height)};
 }
 
 /** Turns, moves and zooms; gives a pane its camera. */

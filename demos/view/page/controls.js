@@ -83,7 +83,9 @@ export class Controls {
   enable(live, choices) {
     this.live = live;
     this.byId('not-live').hidden = live;
-    for (const id of ['pause', 'step', 'restart', 'compare', 'score']) this.byId(id).disabled = !live;
+    for (const id of ['pause', 'step', 'restart']) this.byId(id).disabled = !live;
+    // One world alone has nothing to be compared with, and no score.
+    for (const id of ['compare', 'score']) this.byId(id).disabled = !live || !choices.scheme;
     for (const name of FIELDS) {
       const field = this.byId(name);
       // The second run is chosen by its scheme; '' stands for none.

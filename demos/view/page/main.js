@@ -8,6 +8,7 @@ import {lookAt, Orbit, parseLook} from './camera.js';
 import {Connection} from './connection.js';
 import {Controls, ONE_WAY} from './controls.js';
 import {Ending} from './ending.js';
+import {extentOf} from './extent.js';
 import {Fixed} from './fixed.js';
 import {Input} from './input.js';
 import {Keyboard} from './keyboard.js';
@@ -18,7 +19,7 @@ import {Bodies} from './scene.js';
 import {Stage, THEMES} from './stage.js';
 import {publish} from './state.js';
 import {Timeline} from './timeline.js';
-import {lengthText, schemeName, sentenceOf} from './words.js';
+import {ALONE, lengthText, schemeName, sentenceOf} from './words.js';
 
 const query = new URLSearchParams(location.search);
 const on = (name) => query.has(name) && query.get(name) !== '0';
@@ -105,16 +106,6 @@ function marks(shown) {
   send({type: 'want', overlays: shown});
 }
 
-/** The bounds of moving bodies, m. */
-function bounds() {
-  const box = new THREE.Box3();
-  const place = new THREE.Vector3();
-  page.hello.bodies.forEach((_, b) => {
-    box.expandByPoint(place.fromArray(page.frame.peers[0].positions, 3 * b));
-  });
-  return box;
-}
-
 function hello(message) {
   for (const old of [page.bodies, page.fixed, page.overlays]) {
     if (old) stage.scene.remove(old);
@@ -128,7 +119,8 @@ function hello(message) {
   page.timeline = new Timeline(message.bodies.length);
   stage.scene.add(page.bodies);
   ending.hide();
-  byId('sentence').textContent = sentenceOf(message.scene);
+  document.body.classList.toggle('alone', Boolean(message.alone));
+  byId('sentence').textContent = message.alone ? ALONE : sentenceOf(message.scene);
   byId('scene').textContent = message.scene;
   document.title = `Tandem · ${message.scene}`;
   controls.enable(message.live, message.choices ?? {});
@@ -142,7 +134,7 @@ function hello(message) {
 
 /** The first frame shows the extent of the scene. */
 function setTheScene() {
-  const box = bounds();
+  const box = extentOf(page.hello, page.frame.peers[0]);
   if (page.fresh) orbit.set(parseLook(query.get('look')) ?? lookAt(page.hello.scene, box));
   const size = Math.max(orbit.home.width, orbit.home.height);
   page.fixed = new Fixed(page.hello.fixed, page.hello.scene, size, THEMES.light);

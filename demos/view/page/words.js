@@ -19,6 +19,9 @@ const SENTENCES = {
     'end at the same place for both.',
 };
 
+/** About a scene that one program runs alone. */
+export const ALONE = 'The shapes that collide, in one world. Pull a body, or stop time and look around.';
+
 /** @param {string} scene @returns {string} */
 export function sentenceOf(scene) {
   return SENTENCES[scene] ??
