@@ -126,7 +126,8 @@ export class Bodies extends THREE.Group {
     timeline.after.peers.forEach(({overlays}, p) => {
       timeline.poses(p, this.peers[p].shown);
       this.peers[p].move();
-      this.peers[p].colour(overlays?.influence);
+      // A world alone neither leads nor follows.
+      this.peers[p].colour(this.hello.alone ? null : overlays?.influence);
     });
   }
   /** Poses of each peer as drawn. */
