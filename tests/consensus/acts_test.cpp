@@ -260,7 +260,7 @@ TEST_CASE("acts: a kick is felt once where packets get lost", "[consensus]") {
   }
 }
 
-TEST_CASE("acts: who rests and says so no more is told of a kick", "[consensus]") {
+TEST_CASE("acts: a kick reaches peers whose body rests and is no longer sent", "[consensus]") {
   for (const int peers : {2, 3}) {
     Session session(network_profile(3));
     PeerOptions options;

@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-TEST_CASE("announced share: who holds a body alone announces more, and who leads it the most",
+TEST_CASE("announced share: the only holder of a body announces more, its leader the most",
           "[consensus][unit]") {
   const InfluenceOptions options;
   CHECK(announced_share(options, false, false) == options.baseline);
@@ -66,7 +66,7 @@ TEST_CASE("announced share: of a guess it counts no more than is stable, unless 
   CHECK(gap_after(0.14, options, 0.1) < 0.8 * limited);
 }
 
-TEST_CASE("announced share: who announces more is followed more", "[consensus]") {
+TEST_CASE("announced share: a peer that announces more is followed more", "[consensus]") {
   // Eleven times the weight: they meet at a twelfth of the way, Eq. 1.
   Session session({.latency = 0.1});
   for (int i = 0; i < 2; ++i) {

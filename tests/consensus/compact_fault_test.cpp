@@ -204,8 +204,7 @@ TEST_CASE("compact: a packet that ends anywhere else is refused", "[consensus][f
   CHECK(accepted == 4);  // after each message but the last
 }
 
-TEST_CASE("compact: whatever mutated bytes hold, what comes out is within bounds",
-          "[consensus][fault]") {
+TEST_CASE("compact: mutated bytes decode to values within bounds", "[consensus][fault]") {
   Dice dice(52);
   const Bytes base = everything();
   DecodedPacket packet;

@@ -124,7 +124,7 @@ TEST_CASE("compact: a state comes back within half a quantum of everything", "[c
   CHECK(largest_angle > 0.2 * kMaxAngle);  // the bound is not idle
 }
 
-TEST_CASE("compact: what is on the lattice stays where it is", "[consensus][unit]") {
+TEST_CASE("compact: values on the lattice are unchanged", "[consensus][unit]") {
   Dice dice(42);
   for (int i = 0; i < 300; ++i) {
     const StateUpdate once = round_trip(usual_state(dice)).update;
@@ -208,7 +208,7 @@ TEST_CASE("compact: a moving body takes 28 bytes in a batch, a resting one 15", 
   CHECK(bytes_each(plain_sphere, 1) < bytes_each(usual_state, 1) - 5.5);
 }
 
-TEST_CASE("compact: what a body does not need is not there", "[consensus][unit]") {
+TEST_CASE("compact: fields that a body does not need are not written", "[consensus][unit]") {
   Dice dice(45);
   StateUpdate update = resting_state(dice);
   update.twist.linear = {0.003, 0.0, 0.0};
@@ -220,7 +220,7 @@ TEST_CASE("compact: what a body does not need is not there", "[consensus][unit]"
   CHECK((out.twist.angular - update.twist.angular).cwiseAbs().maxCoeff() <= kHalfSpeed);
 }
 
-TEST_CASE("compact: packets hold what fits and go on where they stopped", "[consensus][unit]") {
+TEST_CASE("compact: a packet continues where a full one stopped", "[consensus][unit]") {
   Dice dice(46);
   std::vector<IndexedState> states;
   for (std::uint16_t i = 0; i < 200; ++i) states.push_back({i, usual_state(dice)});
@@ -333,7 +333,7 @@ TEST_CASE("compact: anchors are cut where the packet ends, and none is lost", "[
   CHECK(bytes.size() == kBefore);
 }
 
-TEST_CASE("compact: names fill what there is room for", "[consensus]") {
+TEST_CASE("compact: names fill the remaining room", "[consensus]") {
   const std::vector<SharedId> ids(40, SharedId{1, 2});
   for (std::size_t room = 0; room < 600; ++room) {
     const std::size_t count = indices_in(room);

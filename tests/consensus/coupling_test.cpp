@@ -125,7 +125,7 @@ TEST_CASE("coupling: none leaves a world as it is without peers, bit for bit", "
   CHECK(session[0].peer->stats().bodies_aggregated == 0);
 }
 
-TEST_CASE("coupling: none still follows who drives a body by hand", "[consensus]") {
+TEST_CASE("coupling: without coupling, copies still follow a body driven by hand", "[consensus]") {
   Session session;
   for (PeerId id = 1; id <= 2; ++id) {
     session.add(id, 0.0, {.coupling = Coupling::None}, kWeightless).share(ball(Vec3::Zero()), 2);

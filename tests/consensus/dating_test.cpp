@@ -55,7 +55,7 @@ TEST_CASE("timestamps: stamps of a steady link are dated exactly, but for half t
   }
 }
 
-TEST_CASE("timestamps: jitter is filtered, drift followed, and what is between stamps kept",
+TEST_CASE("timestamps: jitter is filtered, drift followed, time between stamps kept",
           "[consensus]") {
   Stream stream{.jitter = 0.005, .drift = 1e-4};
   double worst = 0.0;
@@ -73,9 +73,8 @@ TEST_CASE("timestamps: jitter is filtered, drift followed, and what is between s
   CHECK(worst < 1.5e-3);
 }
 
-TEST_CASE(
-    "timestamps: what was stuck on its way moves nothing, a clock that was set is found again",
-    "[consensus]") {
+TEST_CASE("timestamps: delayed packets move no clock, and a reset clock is found again",
+          "[consensus]") {
   Stream stream;
   for (int i = 0; i < 120; ++i) stream.send();
   for (int i = 0; i < 30; ++i) CHECK(stream.send(3.0 - kTick * i) == Approx(0.0).margin(1e-8));
@@ -188,7 +187,7 @@ TEST_CASE("timestamps: unequal ways cost half of their difference in time", "[co
   CHECK(received.settled < 2e-3);
 }
 
-TEST_CASE("timestamps: farewells and silence end what a peer with another clock held",
+TEST_CASE("timestamps: farewells and silence end the holds of a peer with another clock",
           "[consensus]") {
   const bool says_so = GENERATE(true, false);
   Crowd crowd(network_profile(4));

@@ -141,7 +141,7 @@ TEST_CASE("events: a late member hears later events", "[consensus][events]") {
   CHECK(session.heard[1].size() == 2);
 }
 
-TEST_CASE("events: what is too much for a peer that is away is counted, and the rest comes",
+TEST_CASE("events: a peer that is away loses and counts the excess, and gets the rest",
           "[consensus][events]") {
   Session session({.latency = 0.02}, 2, {.kept_bytes = 4096});
   session.run(2);
@@ -183,8 +183,7 @@ TEST_CASE("events: a member that is away for too long begins anew", "[consensus]
   CHECK(session.heard[1].front().topic == "back");
 }
 
-TEST_CASE("events: a member may say no more than the budget, and what waits is not lost",
-          "[consensus][events]") {
+TEST_CASE("events: a member's budget holds back events and loses none", "[consensus][events]") {
   constexpr double kBudget = 20'000.0;
   Session session({.latency = 0.01}, 2, {.bytes_per_s = kBudget});
   session.run(2);
@@ -260,8 +259,7 @@ TEST_CASE("events: damaged packets are counted and change nothing", "[consensus]
   CHECK(delivered < 19'000);
 }
 
-TEST_CASE("events: acknowledgements of what was not sent are not believed",
-          "[consensus][events][fault]") {
+TEST_CASE("events: acknowledgements of unsent events are ignored", "[consensus][events][fault]") {
   Session session({.latency = 0.02});
   session.run(2);
   // The second member acknowledges for others' lists, too early and again.

@@ -104,7 +104,7 @@ TEST_CASE("extreme: without users, agreement never adds kinetic energy to all co
   }
 }
 
-TEST_CASE("extreme: who says that a body is its own hears no other who says so", "[consensus]") {
+TEST_CASE("extreme: two peers that claim one body do not hear each other", "[consensus]") {
   Session session(network_profile(3));
   const Vec3 velocities[] = {{1.0, 0.0, 0.0}, {0.0, -1.0, 0.0}, {0.0, 0.0, 3.0}};
   const PeerId owners[] = {1, 2, 2};  // the third takes the second's word

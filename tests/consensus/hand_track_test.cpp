@@ -23,7 +23,7 @@ SessionTime at(double s) { return kStart + static_cast<SessionTime>(std::llround
 
 Vec3 carried(const HandTrack& track, double dt) { return track.motion().after(dt).position; }
 
-TEST_CASE("hand track: a steady motion is found, whatever is lost of it", "[consensus]") {
+TEST_CASE("hand track: a steady motion is found despite lost samples", "[consensus]") {
   const Vec3 v(-0.4, 0.9, 0.1);
   const auto path = [&](double t) { return Vec3(Vec3(1.0, 2.0, 3.0) + t * v); };
   const int lost = GENERATE(0, 2, 3);  // one of so many; 0 = none
@@ -59,7 +59,7 @@ TEST_CASE("hand filter: a motion goes on as its acceleration fades", "[consensus
   CHECK((motion.after(0.1).after(0.2).position - motion.after(0.3).position).norm() < 1e-12);
 }
 
-TEST_CASE("hand track: at first the velocity told is taken, and of the past what was told",
+TEST_CASE("hand track: the first sample's velocity counts, and past samples are kept",
           "[consensus]") {
   HandTrack track;
   CHECK(track.empty());
@@ -101,7 +101,7 @@ Missed missed(const F& f) {
 using State = Eigen::Matrix<double, 5, 1>;
 using Square = Eigen::Matrix<double, 5, 5>;
 
-TEST_CASE("hand filter: it expects what all places together let expect", "[consensus]") {
+TEST_CASE("hand filter: it gives the expected motion for all positions together", "[consensus]") {
   // The same model, by another way: the moments of x' = A x + noise by small steps, and the most
   // probable motion from all places at once, by the rule for normal distributions.
   constexpr double kRate = 2.0 * std::numbers::pi * 10.0;
@@ -164,7 +164,7 @@ TEST_CASE("hand filter: it expects what all places together let expect", "[conse
   CHECK(std::abs(expected(1)) > 0.05);
 }
 
-TEST_CASE("hand filter: whatever the times, it stays finite", "[consensus]") {
+TEST_CASE("hand filter: its result is finite at any times", "[consensus]") {
   for (const double dt : {-1.0, 0.0, 1e-9, 1e-6, 1e-3, 0.05, 0.3, 0.31, 1e9}) {
     CAPTURE(dt);
     HandFilter filter(Vec3::Zero(), Vec3(1.0, 0.0, 0.0));

@@ -121,7 +121,8 @@ TEST_CASE("inbox: unknown ids and peers leave no trace but a count", "[consensus
   CHECK(inbox.counters(100) == InboxCounters{});
 }
 
-TEST_CASE("inbox: whatever the order of arrival, the same updates are kept", "[consensus][unit]") {
+TEST_CASE("inbox: the order of arrival does not change which updates are kept",
+          "[consensus][unit]") {
   struct Offer {
     PeerId peer;
     StateUpdate update;
@@ -180,7 +181,7 @@ TEST_CASE("inbox: bodies can be removed and expired states pruned", "[consensus]
   CHECK(inbox.offer(10, state(kCube, -1), kNow) == InboxVerdict::UnknownId);
 }
 
-TEST_CASE("inbox: what rests holds as long as its sender is there", "[consensus][unit]") {
+TEST_CASE("inbox: a resting state holds while its sender is connected", "[consensus][unit]") {
   Inbox inbox = two_by_two();
   StateUpdate rests = state(kCube, 100);
   rests.flags.resting = true;

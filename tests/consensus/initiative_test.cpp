@@ -62,7 +62,7 @@ std::unique_ptr<Session> throw_ball(int profile, int peers) {
   return session;
 }
 
-TEST_CASE("initiative: a throw is not held back by who has not heard of it", "[consensus]") {
+TEST_CASE("initiative: peers that have not heard of a throw do not hold it back", "[consensus]") {
   std::vector<Vec3> velocities[2];
   for (const int peers : {1, 2}) {
     const auto session = throw_ball(5, peers);
@@ -135,7 +135,7 @@ TEST_CASE("initiative: nobody leads a body that two hold", "[consensus]") {
   CHECK_FALSE(claims[1].leads);
 }
 
-TEST_CASE("initiative: nobody leads a bar whose ends two hold", "[consensus]") {
+TEST_CASE("initiative: no peer leads a bar that two users hold at its ends", "[consensus]") {
   // Each would follow the other's end and hold on to its own: a loop, and no follower of one that
   // does not listen.
   const SharedId far_end = SharedId::from_name("far end");
@@ -192,8 +192,7 @@ TEST_CASE("initiative: it ends where the body comes to rest, and everybody is he
   CHECK(session[0].x().x() > before.x() + 0.01);
 }
 
-TEST_CASE("initiative: what was let fall comes down alike, and everybody is heard again",
-          "[consensus]") {
+TEST_CASE("initiative: a dropped body lands alike, and all peers are heard again", "[consensus]") {
   // It falls for longer than the news of it needs to go there and back.
   Session session(network_profile(5));
   for (int i = 0; i < 2; ++i) {

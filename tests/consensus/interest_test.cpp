@@ -13,7 +13,7 @@ using namespace testing;
 using tandem::testing::names;
 using tandem::testing::refusal;
 
-TEST_CASE("peer: what concerns nobody is not sent, and what is not shared is shown as unknown",
+TEST_CASE("peer: states outside a peer's interest are not sent, unshared ones are unknown",
           "[consensus]") {
   struct OnlyLeft final : Interest {
     bool concerns(PeerId, const SharedId&, const Pose& pose) const override {

@@ -77,7 +77,7 @@ TEST_CASE("jump: a newcomer's copy is not caught behind something solid", "[cons
   }
 }
 
-TEST_CASE("jump: what comes together by itself is left to do so", "[consensus]") {
+TEST_CASE("jump: copies that come together by themselves are not placed", "[consensus]") {
   Session session(network_profile(5));
   for (int i = 0; i < 2; ++i) {
     session.add(static_cast<PeerId>(i + 1), 0.007 * i, {}, kWeightless)
@@ -149,7 +149,7 @@ TEST_CASE("jump: a peer between two others that pull it apart is not put anywher
   CHECK(session[1].peer->stats().bodies_placed == 0);
 }
 
-TEST_CASE("jump: an owner's jump passes through what is in between, and is no motion",
+TEST_CASE("jump: an owner's jump passes through bodies on its way and is no motion",
           "[consensus]") {
   constexpr PeerId kOwner = 1;
   Session session(network_profile(3));

@@ -153,7 +153,7 @@ const std::vector<Oscillators>& systems() {
   return all;
 }
 
-TEST_CASE("linear system: a difference contracts by 1 - s in each frame, whatever the delay",
+TEST_CASE("linear system: a difference contracts by 1 - s per frame at any delay",
           "[consensus][analytic]") {
   Dice dice(1);
   for (const Oscillators& physics : systems()) {

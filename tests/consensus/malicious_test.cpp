@@ -167,7 +167,7 @@ std::vector<Named> all_lies() {
   };
 }
 
-TEST_CASE("malicious: one liar of four moves nothing, whatever it says", "[consensus][fault]") {
+TEST_CASE("malicious: one liar of four moves nothing", "[consensus][fault]") {
   const int profile = GENERATE(1, 5);
   const Trace alone = run(3, {}, profile);
   for (const Named& lie : all_lies()) {
@@ -328,8 +328,7 @@ TEST_CASE("malicious: springs that no hand could pull are limited, refused and c
   CHECK(spread(crowd, kFree) < 0.01 * crowd.members[0]->v(kFree).norm() + 1e-3);
 }
 
-TEST_CASE("malicious: where the owner of a scene says so, who is not near holds nothing",
-          "[consensus][fault]") {
+TEST_CASE("malicious: a hand beyond max_reach holds nothing", "[consensus][fault]") {
   const double reach = GENERATE(2.0, 5.0);
   PeerOptions options;
   options.robust.max_reach = reach;

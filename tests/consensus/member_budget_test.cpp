@@ -93,7 +93,7 @@ struct Target {
 
 }  // namespace
 
-TEST_CASE("budget: so much a second, so much at once, and abuse is what goes on", "[consensus]") {
+TEST_CASE("budget: it limits rate and burst, and only lasting excess is abuse", "[consensus]") {
   constexpr SessionTime kSecond = 1'000'000'000;
   pbd::TokenBucket budget(10.0, 5.0);
   int admitted = 0;
@@ -124,7 +124,7 @@ TEST_CASE("budget: so much a second, so much at once, and abuse is what goes on"
   CHECK_FALSE(budget.admits(0));
 }
 
-TEST_CASE("peer: who steps ten times a second reads all of sixty whole updates a second",
+TEST_CASE("peer: at ten steps a second it reads all of sixty full updates a second",
           "[consensus]") {
   constexpr double kLong = 0.1;  // s
   Target target;
@@ -140,7 +140,7 @@ TEST_CASE("peer: who steps ten times a second reads all of sixty whole updates a
   CHECK(target.site.peer->stats().packets_received == 29 * 6 * 144);
 }
 
-TEST_CASE("peer: a watcher moves nothing, who may act pulls and says nothing of states",
+TEST_CASE("peer: a Watch member moves nothing, an Act member pulls but sends no states",
           "[consensus][fault]") {
   for (const Role role : {Role::Watch, Role::Act, Role::Share}) {
     Target target;
@@ -200,7 +200,7 @@ TEST_CASE(
   CHECK(in_use() < before + kTiny * (sizeof(Packet) + 64) + (std::size_t{2} << 20));
 }
 
-TEST_CASE("peer: states at full rate cost no more than twice what all bodies' states would",
+TEST_CASE("peer: states at full rate cost at most twice the states of all bodies",
           "[consensus][fault]") {
   Target target;
   const auto honest = [&](int) { target.line.deliver(kHonest, target.state()); };
@@ -224,7 +224,7 @@ TEST_CASE("peer: states at full rate cost no more than twice what all bodies' st
   CHECK(target.report(kHonest).inbox.accepted == 60 + kSteps);
 }
 
-TEST_CASE("peer: a hundred thousand springs of any stiffness leave few, and room for who is honest",
+TEST_CASE("peer: a hundred thousand springs leave few, and room for honest members",
           "[consensus][fault]") {
   Target target;
   target.run(10, [&](int) { target.line.deliver(kHonest, target.state()); });
@@ -303,7 +303,7 @@ TEST_CASE("peer: a million ids leave no more behind than two mebibytes",
 }
 
 // The time behind the limits above, for docs/history/network-figures.md; not a test.
-TEST_CASE("measure: processor time of a step under what one member sends", "[.measure]") {
+TEST_CASE("measure: processor time of a step under one member's traffic", "[.measure]") {
   const auto tiny = StubTransport::packet_of(Leave{.stamp = 1});
   std::vector<std::byte> states;
   PeerId invented = 1'000;

@@ -103,7 +103,8 @@ TEST_CASE("membership: a crash in mid-lift leaves no spring anywhere, nor does l
   CHECK(widest(crowd) < 5e-3);
 }
 
-TEST_CASE("membership: who starts again in mid-lift under its id takes part again", "[consensus]") {
+TEST_CASE("membership: a peer that restarts in mid-lift under its id takes part again",
+          "[consensus]") {
   const double pause = GENERATE(0.05, 0.5, 3.0);
   const int profile = GENERATE(1, 5);
   Crowd crowd(network_profile(profile));

@@ -116,7 +116,7 @@ TEST_CASE("mode: of two hard hands both see the mean, each sends its own",
   }
 }
 
-TEST_CASE("mode: two hard hands turn what one cannot", "[consensus][analytic]") {
+TEST_CASE("mode: two hard hands turn a body that one cannot", "[consensus][analytic]") {
   // At the two ends of a body, moving against each other: it turns until it lies between them.
   const auto session = pair_of(InputMode::Hard, delayed(0.03));
   const Vec3 end(0.1, 0.0, 0.0);
@@ -163,7 +163,7 @@ TEST_CASE("mode: a clock that stands still or goes back moves nothing by hand",
   }
 }
 
-TEST_CASE("mode: who becomes the owner of what it drags can still let go", "[consensus]") {
+TEST_CASE("mode: a peer that becomes the owner of a dragged body can still let go", "[consensus]") {
   const auto session = pair_of(InputMode::Hard);
   Site& site = (*session)[0];
   const GrabId grab = site.peer->grab({.body = kBody});

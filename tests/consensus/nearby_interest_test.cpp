@@ -38,7 +38,7 @@ struct Pair {
   std::unique_ptr<NearbyInterest> interest;
 };
 
-TEST_CASE("nearby interest: distance decides, with slack for what was told before", "[consensus]") {
+TEST_CASE("nearby interest: distance decides, with slack for bodies told before", "[consensus]") {
   Pair pair;
   CHECK(pair.tells(Vec3(100.0, 0.0, 0.0)));  // nobody knows where he is
   pair.interest->set_position(2, Vec3(1.0, 0.0, 0.0));
@@ -51,7 +51,7 @@ TEST_CASE("nearby interest: distance decides, with slack for what was told befor
   CHECK(pair.tells(Vec3(100.0, 0.0, 0.0)));
 }
 
-TEST_CASE("nearby interest: what a user holds goes to him however far it is, and is where he is",
+TEST_CASE("nearby interest: a held body goes to its user at any distance, who is there",
           "[consensus]") {
   Pair pair;
   pair.interest->set_position(2, Vec3(50.0, 0.0, 0.0));
@@ -72,8 +72,7 @@ TEST_CASE("nearby interest: what a user holds goes to him however far it is, and
   CHECK(pair.interest->concerns(2, kOther, {Vec3(1.0, 0.0, 0.0), Quat::Identity()}));
 }
 
-TEST_CASE("nearby interest: what is joined to what a user holds goes to him as well",
-          "[consensus]") {
+TEST_CASE("nearby interest: bodies joined to a held one go to its user as well", "[consensus]") {
   Pair pair;
   pair.interest->set_position(2, Vec3(50.0, 0.0, 0.0));
   const pbd::BodyId other = pair.a.world.add_body(ball(Vec3(1.0, 0.0, 0.0)));

@@ -68,7 +68,7 @@ Vec3 between(const MotionSample& a, const MotionSample& b, double f) {
          f * f * (3.0 - 2.0 * f) * b.pose.position - f * f * g * dt * b.twist.linear;
 }
 
-TEST_CASE("own motion: at the times of steps it is what the body was, and now what it is",
+TEST_CASE("own motion: it gives past states at the times of steps and the present one now",
           "[consensus][unit]") {
   Flight flight;
   flight.look.at = [&](const MotionHistory& own) {
@@ -109,7 +109,7 @@ TEST_CASE("own motion: between two steps it is the cubic that has their velociti
   flight.run(40);
 }
 
-TEST_CASE("own motion: times outside are clamped to what is known", "[consensus][unit]") {
+TEST_CASE("own motion: times outside the record are clamped to it", "[consensus][unit]") {
   Flight flight;
   flight.look.at = [&](const MotionHistory& own) {
     flight.looked = true;

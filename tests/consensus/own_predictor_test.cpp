@@ -57,7 +57,7 @@ std::vector<std::uint64_t> hashes(const PeerOptions& options) {
   return result;
 }
 
-TEST_CASE("own predictor: one that says what ours says is ours, bit for bit", "[consensus]") {
+TEST_CASE("own predictor: a copy of the built-in one gives the same bits", "[consensus]") {
   for (const PredictorKind kind : {PredictorKind::Euler, PredictorKind::None}) {
     const auto own = std::make_shared<Forwarding>(kind);
     CHECK(hashes({.own_predictor = own}) == hashes({.predictor = kind}));
@@ -66,7 +66,7 @@ TEST_CASE("own predictor: one that says what ours says is ours, bit for bit", "[
   CHECK(hashes({.predictor = PredictorKind::Euler}) != hashes({.predictor = PredictorKind::None}));
 }
 
-TEST_CASE("own predictor: where it says what is no number, the state counts as it was stamped",
+TEST_CASE("own predictor: if its result is not finite, the state counts as stamped",
           "[consensus][fault]") {
   const std::vector<std::uint64_t> none = hashes({.predictor = PredictorKind::None});
   for (const double spoilt : {kNan, std::numeric_limits<double>::infinity(), 1e200}) {

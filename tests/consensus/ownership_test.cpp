@@ -44,7 +44,7 @@ std::function<void(Site&, SessionTime)> hold(double from, double to, const Vec3&
 
 PeerId owner_at(const Site& site) { return site.peer->owner(kBody).value_or(0); }
 
-TEST_CASE("single owner: what nobody asked for is the lowest id's, and others' copies are its",
+TEST_CASE("single owner: the lowest id owns unclaimed bodies, and other copies follow it",
           "[consensus]") {
   const auto session = balls(3);
   session->run(1.5);
@@ -61,8 +61,7 @@ TEST_CASE("single owner: what nobody asked for is the lowest id's, and others' c
   CHECK(a.v() == Vec3::Zero());
 }
 
-TEST_CASE("single owner: who takes hold owns a round trip later, never two at once",
-          "[consensus]") {
+TEST_CASE("single owner: a holder owns a round trip later, and never two at once", "[consensus]") {
   const auto session = balls(3);
   (*session)[1].user = hold(2.0, 4.0, Vec3(0.2, 0.0, 0.0));
   double granted = 0.0;
@@ -121,7 +120,7 @@ TEST_CASE("single owner: the latest holder has it, then any that still holds", "
   CHECK(owner_at((*session)[0]) == 2);
 }
 
-TEST_CASE("single owner: what a peer that left has owned goes to the lowest id", "[consensus]") {
+TEST_CASE("single owner: the bodies of a peer that left go to the lowest id", "[consensus]") {
   const auto session = balls(3);
   (*session)[2].user = hold(1.5, 2.0, Vec3(0.2, 0.0, 0.0));
   session->run(2.5);

@@ -138,7 +138,7 @@ TEST_CASE("peer: a hostile stream of bytes moves nothing, its sender is dropped 
   CHECK_FALSE(duel.untouched());
 }
 
-TEST_CASE("peer: a network drops a peer whose packets cannot be decoded", "[consensus][fault]") {
+TEST_CASE("peer: the network drops a peer that sends undecodable packets", "[consensus][fault]") {
   Session session;
   Site& victim = session.add(1, 0.0, {}, kWeightless);
   victim.share(ball(Vec3::Zero()));
@@ -153,7 +153,7 @@ TEST_CASE("peer: a network drops a peer whose packets cannot be decoded", "[cons
   CHECK_FALSE(hostile.post(1, Bytes(30, std::byte{7}), Delivery::Newest));
 }
 
-TEST_CASE("peer: what is decodable but not for us is counted and moves nothing",
+TEST_CASE("peer: decodable packets that do not apply are counted and move nothing",
           "[consensus][fault]") {
   Duel duel;
   const Vec3 far(0.1, 0.0, 0.0);
@@ -192,8 +192,7 @@ TEST_CASE("peer: what is decodable but not for us is counted and moves nothing",
   CHECK(duel.line().dropped.empty());
 }
 
-TEST_CASE("peer: who claims to own a body that is everybody's does not get it",
-          "[consensus][fault]") {
+TEST_CASE("peer: a claim to a body without owner gives no ownership", "[consensus][fault]") {
   // No more than half of the gap in 1/60 s, where an owner gets all of it.
   const Vec3 offset(0.1, 0.0, 0.0);
   const auto moved_by = [&](std::optional<PeerId> owner, bool claims_hand) {
@@ -241,7 +240,7 @@ TEST_CASE("peer: late states of a peer that has left move nothing", "[consensus]
   CHECK_FALSE(duel.untouched());
 }
 
-TEST_CASE("peer: made-up ids fill no memory and push out nobody who acts", "[consensus][fault]") {
+TEST_CASE("peer: made-up ids fill no memory and push out no active peer", "[consensus][fault]") {
   Duel duel({}, kWeightless);
   duel.run(90, [&](int) { duel.line().deliver(2, duel.state(Vec3::Zero(), 0.1f)); });
   PeerId invented = 1000;

@@ -164,8 +164,7 @@ TEST_CASE("peer: a shared ball bounces as high as alone, profile 5", "[consensus
   SECTION("second") { check_no_treacle(build, peak(2), 2.5); }
 }
 
-TEST_CASE("agreement: what swings faster than news travels comes to agree all the same",
-          "[consensus]") {
+TEST_CASE("agreement: bodies that swing faster than news travels still agree", "[consensus]") {
   // 3 Hz and a tenth of critical damping, news 8 to 15 frames late: by the time a state comes the
   // difference has turned round. Pushed by what it says, it grew 2 to 800 times in five seconds.
   const double delay = GENERATE(8.0, 11.0, 15.0) / 60.0;

@@ -79,7 +79,7 @@ TEST_CASE("owner: without delay followers have the body where the hand has it", 
   CHECK(((*session)[0].v() - hand.velocity).norm() < 1e-6);
 }
 
-TEST_CASE("owner: followers do not lag behind a steady hand, whatever the delay", "[consensus]") {
+TEST_CASE("owner: followers do not lag behind a steady hand at any delay", "[consensus]") {
   const int profile = GENERATE(1, 3, 5);
   const auto type = GENERATE(pbd::BodyType::Dynamic, pbd::BodyType::Kinematic);
   CAPTURE(static_cast<int>(type));

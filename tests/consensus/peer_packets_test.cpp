@@ -166,7 +166,8 @@ Crowd gather(const Setting& setting) {
 
 }  // namespace
 
-TEST_CASE("peer: packets are cut to what the transport takes, and say the same", "[consensus]") {
+TEST_CASE("peer: packets are cut to the transport's limit and carry the same content",
+          "[consensus]") {
   const Outcome large = fly(64 * 1024);
   const Outcome small = fly(kSmall);
   CHECK(small.packets > 3 * large.packets);
@@ -206,8 +207,7 @@ TEST_CASE("peer: more hands in one message than a budget saves up for go on cred
   CHECK(crowd.worst_lag < kHandSpeed * 0.4);
 }
 
-TEST_CASE("peer: what went while there was no budget is not owed once there is one",
-          "[consensus]") {
+TEST_CASE("peer: packets sent before the rate was known are not charged to it", "[consensus]") {
   const Crowd crowd =
       gather({.bodies = 30, .hands = 30, .known_kbit_per_s = 300.0, .packet = 1154});
   CHECK(crowd.held == 30);

@@ -56,7 +56,7 @@ TEST_CASE("peer: a body is shared once, under a valid id, and must exist", "[con
   CHECK_NOTHROW(site.peer->share({.id = {1, 2}, .body = other}));
 }
 
-TEST_CASE("peer: states go out at the fixed rate, whatever the steps are", "[consensus]") {
+TEST_CASE("peer: states go out at a fixed rate for any steps", "[consensus]") {
   const double hz = GENERATE(60.0, 72.0, 240.0, 31.0);
   const double update_hz = GENERATE(10.0, 60.0);
   CAPTURE(hz, update_hz);
@@ -80,7 +80,7 @@ TEST_CASE("peer: states go out at the fixed rate, whatever the steps are", "[con
   CHECK(site.peer->stats().bytes_sent == bytes);
 }
 
-TEST_CASE("peer: a state says what the solver left, where, and when", "[consensus]") {
+TEST_CASE("peer: a state has the solver's result, with pose and stamp", "[consensus]") {
   StubTransport transport(1);
   transport.known.push_back({.id = 2, .connected = true});
   Site site(transport, {.authority_ramp = 0.5}, {});
@@ -124,7 +124,7 @@ TEST_CASE("peer: a state says what the solver left, where, and when", "[consensu
   CHECK_FALSE(state.flags.owner_driven);
 }
 
-TEST_CASE("peer: an observer is told what was applied, and how old it was", "[consensus]") {
+TEST_CASE("peer: an observer is told the applied states and their ages", "[consensus]") {
   struct Observer final : PeerObserver {
     int calls = 0;
     double age = 0.0;

@@ -164,7 +164,7 @@ Outcome run(std::uint64_t seed, const Trouble* trouble) {
   return out;
 }
 
-TEST_CASE("people's networks: who has one disturbs nobody else, and is with them again after 1 s",
+TEST_CASE("people's networks: a bad one disturbs no other peer and ends within 1 s",
           "[consensus][fault][long]") {
   const std::uint64_t seed = GENERATE(range(std::uint64_t{1}, std::uint64_t{4}));
   const Outcome without = run(seed, nullptr);

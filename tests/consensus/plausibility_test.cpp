@@ -22,7 +22,7 @@ StateUpdate state(const Vec3& x, const Vec3& v, SessionTime stamp) {
   return {.id = kId, .pose = {x, Quat::Identity()}, .twist = {v, Vec3::Zero()}, .stamp = stamp};
 }
 
-TEST_CASE("plausible: what flies, falls, bounces and tumbles, however many states are lost",
+TEST_CASE("plausible: flying, falling, bouncing, tumbling bodies, despite lost states",
           "[consensus]") {
   Dice dice(3);
   const PlausibilityOptions limits;

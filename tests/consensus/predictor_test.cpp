@@ -75,7 +75,7 @@ TEST_CASE("predictor: without extrapolation of orientations they stay as stamped
   check_close(p.translation, update.pose.position + 0.1 * update.twist.linear);
 }
 
-TEST_CASE("predictor: what a hand moves goes straight on, whatever happens here", "[consensus]") {
+TEST_CASE("predictor: a body moved by a hand goes straight on", "[consensus]") {
   // Its own velocity is the hand's: gravity does not act on it, nor does what the body here does.
   // (From several states of an owner's hand it is measured what its velocity changes by.)
   Dice dice(3);
@@ -94,7 +94,7 @@ TEST_CASE("predictor: what a hand moves goes straight on, whatever happens here"
   }
 }
 
-TEST_CASE("predictor: what is not replayed and not owned is carried as by Euler",
+TEST_CASE("predictor: bodies neither replayed nor owned are carried by Euler",
           "[consensus][unit]") {
   const auto replay = make_predictor(PredictorKind::Replay);
   const auto euler = make_predictor(PredictorKind::Euler);

@@ -46,7 +46,7 @@ TEST_CASE("replay: a world at rest in agreement replays nothing", "[consensus]")
   CHECK(gap(session[0], session[1]) < 1e-4);
 }
 
-TEST_CASE("replay: what moves in agreement replays nothing either", "[consensus]") {
+TEST_CASE("replay: moving copies that agree need no replay", "[consensus]") {
   // States travel exactly here, and nothing acts on the ball.
   Session session({.latency = 8.0 * kFrame});
   for (int i = 0; i < 2; ++i) {

@@ -125,7 +125,7 @@ struct Deed {
   Vec3 speed;                                ///< m/s, that it gains
 };
 
-TEST_CASE("replay: what the application does at one peer is felt there, and shared in time",
+TEST_CASE("replay: an application's change acts at its peer at once, at others in time",
           "[consensus]") {
   const std::vector<Deed> deeds{
       {"impulse",
@@ -190,7 +190,7 @@ TEST_CASE("replay: what the application does at one peer is felt there, and shar
   }
 }
 
-TEST_CASE("replay: what was done is not undone in the very next step", "[consensus]") {
+TEST_CASE("replay: the next step does not undo an application's change", "[consensus]") {
   // Copies that differ by a speed of their own, and so are replayed in each step.
   struct Case {
     const char* name;

@@ -81,7 +81,7 @@ TEST_CASE("resync: an assembly that cannot get through is put there whole, by th
   CHECK(stretched < 0.1);
 }
 
-TEST_CASE("resync: what somebody holds is not taken over", "[consensus]") {
+TEST_CASE("resync: a held body is not taken over", "[consensus]") {
   Crowd crowd(network_profile(1));
   crowd.build = [](Member& member) {
     build_rod(member, member.transport.self() == 1 ? 0.26 : -0.26);
@@ -99,7 +99,7 @@ TEST_CASE("resync: what somebody holds is not taken over", "[consensus]") {
   CHECK(spread(crowd, 0) < 1e-3);
 }
 
-TEST_CASE("resync: the fewer give way, whatever their ids", "[consensus]") {
+TEST_CASE("resync: the minority gives way, whichever its ids", "[consensus]") {
   const PeerId odd = GENERATE(PeerId{1}, PeerId{3});
   Crowd crowd(network_profile(3));
   crowd.build = [odd](Member& member) {

@@ -107,7 +107,7 @@ TEST_CASE("sending: copies at one place off the lattice are not drawn to it", "[
   }
 }
 
-TEST_CASE("sending: what is damped comes to rest though its velocity is rounded", "[consensus]") {
+TEST_CASE("sending: a damped body comes to rest though its velocity is rounded", "[consensus]") {
   // In a step the damping takes less than half a quantum from here on: 40 mm/s.
   constexpr double kDamping = 0.8;  // 1/s
   constexpr double kSeconds = 8.0;
@@ -148,7 +148,7 @@ TEST_CASE("sending: rounded states agree as well as full ones", "[consensus]") {
   CHECK(rounded < full + std::sqrt(3.0) * (0.5 / 4096.0 + 0.07 * 0.5 / 1024.0));
 }
 
-TEST_CASE("sending: what is as expected is not sent, and a change comes at once", "[consensus]") {
+TEST_CASE("sending: a predicted state is not sent, and a change comes at once", "[consensus]") {
   PeerOptions options = compact(1e-3);
   options.sending.refresh = 0.5;
   Session session({.latency = 0.02});
@@ -173,7 +173,7 @@ TEST_CASE("sending: what is as expected is not sent, and a change comes at once"
   CHECK(session[1].world.twist(b[7]).linear.y() > 0.5);
 }
 
-TEST_CASE("sending: what rests is said once and still counts as news", "[consensus]") {
+TEST_CASE("sending: a resting state is sent once and still counts as news", "[consensus]") {
   PeerOptions options = compact(1e-3);
   options.sending.rest_refresh = 60.0;
   Session session({.latency = 0.02});
@@ -198,7 +198,7 @@ TEST_CASE("sending: what rests is said once and still counts as news", "[consens
   CHECK(worst_gap(session[0], a, session[1], b) < 1.5e-3);
 }
 
-TEST_CASE("sending: a peer that was cut off for long learns again what rests", "[consensus]") {
+TEST_CASE("sending: after a long cut a peer learns the resting states again", "[consensus]") {
   PeerOptions options = compact(1e-3);
   options.sending.rest_refresh = 600.0;
   Session session({.latency = 0.02});
@@ -215,7 +215,7 @@ TEST_CASE("sending: a peer that was cut off for long learns again what rests", "
   CHECK(*session[1].peer->heard(id_of(3), 1) > session.network.now() - ns(0.2));
 }
 
-TEST_CASE("sending: the budget is kept, and what the user holds comes first", "[consensus]") {
+TEST_CASE("sending: the budget is kept, and held bodies come first", "[consensus]") {
   constexpr int kBalls = 60;
   constexpr double kBudget = 64.0;  // kbit/s
   PeerOptions options = compact(0.0, kBudget);
@@ -330,7 +330,7 @@ TEST_CASE("sending: an index never means another body than it was given to", "[c
   CHECK((asked >= 1 && asked <= 3));
 }
 
-TEST_CASE("sending: a sphere whose turn does not matter is not turned", "[consensus]") {
+TEST_CASE("sending: a sphere shared without orientation is not turned", "[consensus]") {
   for (const bool matters : {true, false}) {
     Session session({.latency = 0.02});
     for (PeerId id = 1; id <= 2; ++id) {

@@ -36,8 +36,7 @@ TEST_CASE("shared_id: the written form is that of a GUID", "[consensus][unit]") 
   CHECK(SharedId::parse("0123456789abcdeffedcba9876543210") == id);
 }
 
-TEST_CASE("shared_id: what was written is read back, and sorts as its text does",
-          "[consensus][unit]") {
+TEST_CASE("shared_id: a written id reads back, and ids sort as their texts", "[consensus][unit]") {
   Dice dice(7);
   std::vector<SharedId> ids;
   for (int i = 0; i < 200; ++i) ids.push_back({dice.bits(), dice.bits()});

@@ -9,8 +9,7 @@ namespace {
 
 using namespace testing;
 
-TEST_CASE("replay: worlds that one who was late has asked for are given back",
-          "[consensus][fault]") {
+TEST_CASE("replay: snapshots kept for a late peer are released later", "[consensus][fault]") {
   pbd::World world;
   world.add_body(ball(Vec3::Zero()));
   const PeerOptions options;

@@ -212,7 +212,7 @@ TEST_CASE("springs: those of a silent peer are let go, and held again when it is
   CHECK(b.tethers().size() == 1);
 }
 
-TEST_CASE("springs: leaving lets go at once, whatever arrives after it", "[consensus]") {
+TEST_CASE("springs: a farewell lets go at once, and late packets do not undo it", "[consensus]") {
   PeerOptions options = springs_only();
   options.spring_timeout = 1000.0;
   LinkOptions link = network_profile(2);
@@ -338,7 +338,7 @@ TEST_CASE("springs: a peer holds 64 at most, the others are counted", "[consensu
   CHECK(site.tethers().size() == 65);
 }
 
-TEST_CASE("springs: who has let go may hold again at once", "[consensus][fault]") {
+TEST_CASE("springs: a hand that has let go may hold again at once", "[consensus][fault]") {
   StubTransport transport(1);
   Site site(transport, PeerOptions{}, kWeightless);
   site.share(ball(Vec3::Zero()));

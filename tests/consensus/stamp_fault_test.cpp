@@ -14,7 +14,7 @@ namespace {
 
 using namespace testing;
 
-TEST_CASE("peer: who starts with a clock ahead counts as much as any 3 s later",
+TEST_CASE("peer: a peer that starts with its clock ahead counts in full 3 s later",
           "[consensus][fault]") {
   const double ahead = GENERATE(0.0, 10.0, 60.0, 30.0 * 86400.0, -3600.0);
   CAPTURE(ahead);
@@ -39,7 +39,8 @@ TEST_CASE("peer: who starts with a clock ahead counts as much as any 3 s later",
   CHECK(spread(crowd, 0) < 1e-3);
 }
 
-TEST_CASE("peer: what is stamped ahead is of the same way, not ahead on it", "[consensus][fault]") {
+TEST_CASE("peer: a state stamped ahead lies on the same path, not ahead on it",
+          "[consensus][fault]") {
   Crowd crowd;
   const Vec3 v(3.0, 0.0, 0.0);
   crowd.build = [&](Member& member) {

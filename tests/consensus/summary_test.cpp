@@ -93,8 +93,7 @@ TEST_CASE(
   CHECK_FALSE(fuse(std::span(all).subspan(1, 1)).has_value());
 }
 
-TEST_CASE("summary: what a peer says for all has the weight of all, and is where they have it",
-          "[consensus]") {
+TEST_CASE("summary: a fused state has the weight of all peers, and their pose", "[consensus]") {
   Session session;
   for (PeerId id = 1; id <= 4; ++id) {
     session.add(id, 0.0, {}, kWeightless).share(ball(Vec3::Zero(), Vec3(0.5, 0.0, 0.0)));

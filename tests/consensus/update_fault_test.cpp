@@ -292,8 +292,7 @@ TEST_CASE("codec: a fault in a later message takes back the earlier ones", "[con
   CHECK(result.offset == second);
 }
 
-TEST_CASE("codec: whatever random and mutated bytes hold, what comes out is within bounds",
-          "[consensus][fault]") {
+TEST_CASE("codec: random and mutated bytes decode to values within bounds", "[consensus][fault]") {
   Dice dice(14);
   Bytes base = two_states();
   const Bytes spring = one_spring();

@@ -224,7 +224,7 @@ TEST_CASE("codec: more records than a message holds become several messages", "[
   CHECK(bytes.size() == 3 * kHeaderBytes + springs.size() * kSpringBytes);
 }
 
-TEST_CASE("codec: a sender leaves out what its peers would refuse", "[consensus][unit]") {
+TEST_CASE("codec: a sender leaves out updates that its peers would refuse", "[consensus][unit]") {
   Dice dice(6);
   std::array<StateUpdate, 3> states = {some_state(dice), some_state(dice), some_state(dice)};
   states[1].pose.position.y() = std::numeric_limits<double>::quiet_NaN();

@@ -58,7 +58,7 @@ TEST_CASE("virtual_link: the five profiles have the published delays", "[consens
   CHECK_THROWS_AS(network_profile(6), std::invalid_argument);
 }
 
-TEST_CASE("virtual_link: people's networks are what they are called", "[consensus][unit]") {
+TEST_CASE("virtual_link: people's networks behave as their names say", "[consensus][unit]") {
   // The longest delay, and the share that is lost, of a state of 50 bytes each 2 ms: 200 kbit/s. Of
   // bursts, of which there is one in 4 s, in twenty minutes.
   for (const NamedNetwork& network : named_networks()) {
@@ -241,7 +241,7 @@ TEST_CASE("virtual_link: it does not matter how the time is cut into calls", "[c
   CHECK(fine == run(7 * kMs));
 }
 
-TEST_CASE("virtual_link: what arrives at the same time comes by ascending sender",
+TEST_CASE("virtual_link: packets that arrive together come by ascending sender",
           "[consensus][unit]") {
   LinkOptions options;
   options.latency = 0.01;
@@ -324,7 +324,7 @@ TEST_CASE("virtual_link: a full queue drops the oldest waiting states and counts
   CHECK(network.counters(1, 2).queue_full == 7);
 }
 
-TEST_CASE("virtual_link: peers are listed in order with what passed", "[consensus][unit]") {
+TEST_CASE("virtual_link: peers are listed in order, with their counts", "[consensus][unit]") {
   VirtualNetwork network;
   for (const PeerId peer : {PeerId{5}, PeerId{1}, PeerId{3}}) network.transport(peer);
   network.transport(5).post(1, numbered(0, 10), Delivery::Newest);

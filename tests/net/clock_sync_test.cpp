@@ -220,7 +220,7 @@ TEST_CASE("clock sync: unequal delays show in the bound, not in a claim to be ex
   CHECK(clocks.status(2).error_bound < 45 * kMs);
 }
 
-TEST_CASE("clock sync: a newcomer takes the time over, whatever its id, and nobody else is moved",
+TEST_CASE("clock sync: a newcomer of any id adopts the time, and no other clock moves",
           "[net][clock]") {
   Clocks clocks(kWan);
   clocks.start(2, 30e-6);
@@ -353,7 +353,7 @@ TEST_CASE("clock sync: a system clock is measured and not touched", "[net][clock
   CHECK(status.error_bound < 33 * kMs);
 }
 
-TEST_CASE("clock filter: the interval holds the truth, and what contradicts it starts anew",
+TEST_CASE("clock filter: the interval holds the truth, and a contradiction starts anew",
           "[net][clock][fault]") {
   Dice dice(3);
   ClockFilter filter;

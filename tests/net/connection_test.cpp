@@ -194,8 +194,7 @@ TEST_CASE("connection: random loss on a long way costs a second of less, once", 
   CHECK(static_cast<double>(got) > 0.92 * (1.0 - loss) * static_cast<double>(posted));
 }
 
-TEST_CASE("connection: random loss while little is asked for does not hold up what is asked next",
-          "[net]") {
+TEST_CASE("connection: random loss at a low rate does not hold up a later high one", "[net]") {
   // The rate is tried at 0.6 of what was sent. That was little, and packets are few at that rate.
   const std::uint64_t seed = GENERATE(5u, 6u, 7u, 8u);
   UdpConnectionOptions options;
@@ -216,8 +215,7 @@ TEST_CASE("connection: random loss while little is asked for does not hold up wh
   CHECK(static_cast<double>(got) > 0.85 * 0.7 * static_cast<double>(posted));
 }
 
-TEST_CASE("connection: memory is bounded whatever the application or the other end does",
-          "[net][fault]") {
+TEST_CASE("connection: memory is bounded for any application and any other end", "[net][fault]") {
   const ChannelOptions small{.state_queue_bytes = 8 * 1024,
                              .reliable_queue_bytes = 64 * 1024,
                              .max_message_bytes = 16 * 1024,
@@ -390,7 +388,7 @@ TEST_CASE("connection: a datagram is never longer than it may be, down to an MTU
   }
 }
 
-TEST_CASE("connection: who sends more than a member may is heard so much, then told and left",
+TEST_CASE("connection: a sender over its budget is limited, then told and dropped",
           "[net][fault]") {
   const bool reliable = GENERATE(false, true);
   UdpConnectionOptions options;

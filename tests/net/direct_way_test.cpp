@@ -283,7 +283,7 @@ TEST_CASE("direct way: a peer that names others' addresses as its own has few da
   check_nothing_lost(pair);
 }
 
-TEST_CASE("direct way: who has another address afterwards is found there", "[udp]") {
+TEST_CASE("direct way: a peer is found at its new address", "[udp]") {
   Neighbours pair;
   pair.run(3 * kSecond);
   REQUIRE(pair.both_direct());

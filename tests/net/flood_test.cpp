@@ -141,7 +141,7 @@ class Beginner {
 
 }  // namespace
 
-TEST_CASE("flood: a member that begins 300 handshakes a second keeps nobody out who is 250 ms away",
+TEST_CASE("flood: 300 handshakes a second of a member do not keep out a peer at 250 ms",
           "[net][fault]") {
   World world({.delay = kMs});
   world.start(1);
@@ -176,7 +176,7 @@ TEST_CASE("flood: a member that begins 300 handshakes a second keeps nobody out 
   }
 }
 
-TEST_CASE("flood: who is answered and then forgotten does not say that he is connected",
+TEST_CASE("flood: a peer that is accepted and then cut off does not report a connection",
           "[net][fault]") {
   World world({.delay = 20 * kMs});
   world.start(1);

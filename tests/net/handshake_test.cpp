@@ -250,8 +250,7 @@ TEST_CASE("handshake: a cookie is good for its address, its question and its tim
   CHECK_FALSE(refused(proof, address(1), kSecond));
 }
 
-TEST_CASE("handshake: no answer is longer than its question, whatever the question",
-          "[net][fault]") {
+TEST_CASE("handshake: no answer is longer than its question", "[net][fault]") {
   const auto one = config(1, 1);
   Listener two(config(2, 2));
   two.verdict = Verdict::Full;

@@ -61,7 +61,7 @@ std::string reason(World& world, PeerId at, PeerId of) { return status(world.nod
 
 }  // namespace
 
-TEST_CASE("membership: what an organiser signs is read by his public key and as it is only",
+TEST_CASE("membership: only the organiser's public key reads unchanged signed statements",
           "[net]") {
   const Key own = organiser_public_key(kOrganiser);
   const Certificate one{
@@ -123,7 +123,7 @@ TEST_CASE("membership: a made-up id costs its maker work that is checked by one 
   CHECK(world.node(1).strangers().refused > 0);
 }
 
-TEST_CASE("membership: an id that was chosen is kept by who is there, a derived one is its key's",
+TEST_CASE("membership: a member keeps its chosen id, and a derived id is its key's",
           "[net][fault]") {
   World world({.delay = 10 * kMs});
   world.start(1);
@@ -215,8 +215,7 @@ TEST_CASE("membership: an honest owner of an id is back within two seconds despi
   CHECK(attempts > 20);
 }
 
-TEST_CASE("membership: what waits for one process goes to no other that has its id",
-          "[net][fault]") {
+TEST_CASE("membership: messages for one process go to no other with its id", "[net][fault]") {
   World world({.delay = 10 * kMs});
   world.start(1);
   world.start(2, 5).dial(address_of(1), 0);
@@ -237,7 +236,7 @@ TEST_CASE("membership: what waits for one process goes to no other that has its 
   CHECK(drained(world, 2, 1).empty());
 }
 
-TEST_CASE("membership: an organiser's certificate lets in, as what it says, until it expires",
+TEST_CASE("membership: a certificate admits a member in its role until it expires",
           "[net][fault]") {
   World world({.delay = 10 * kMs});
   std::int64_t today = kToday;

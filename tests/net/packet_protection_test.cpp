@@ -58,7 +58,7 @@ TEST_CASE("protection: sealed bytes are those of another implementation", "[net]
   CHECK(out == unhex("a479cb54628946d6f4042a8e384ef4bd2fbc733081542c6cc1c348f28440dd858f05f7e0"));
 }
 
-TEST_CASE("protection: what is sealed opens, once", "[net][fault]") {
+TEST_CASE("protection: a sealed packet opens once", "[net][fault]") {
   PacketSealer sealer(secret(1), 77, 0);
   PacketOpener opener(secret(1));
   Bytes buffer;

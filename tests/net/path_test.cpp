@@ -77,7 +77,7 @@ class Talk {
 
 }  // namespace
 
-TEST_CASE("path: a peer whose address changes goes on in the same connection, and loses nothing",
+TEST_CASE("path: a peer that changes its address keeps its connection and loses nothing",
           "[net][fault]") {
   const double loss = GENERATE(0.0, 0.1);
   World world({.delay = 20 * kMs, .jitter = 5 * kMs, .loss = loss});
@@ -183,8 +183,7 @@ TEST_CASE("path: copies of packets from other addresses steal nothing and are an
   CHECK(answered > 0);
 }
 
-TEST_CASE("path: who forwards faster than the network is no way while there is another one",
-          "[net][fault]") {
+TEST_CASE("path: a thief that forwards faster than the network becomes no path", "[net][fault]") {
   // It hears all at once, and forwards to both ends, what is asked of its address included.
   World world({.delay = 50 * kMs});
   world.start(1);
@@ -318,8 +317,7 @@ TEST_CASE("path: two alone that move at the same time are one again where one of
   CHECK(world.node(1).strangers().challenged == before);
 }
 
-TEST_CASE("path: who says that others are elsewhere moves nobody and has little sent",
-          "[net][fault]") {
+TEST_CASE("path: false addresses of others move no peer and cause little traffic", "[net][fault]") {
   World world({.delay = 20 * kMs});
   world.start(1);
   world.start(2).dial(address_of(1), 0);

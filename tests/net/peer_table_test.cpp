@@ -84,9 +84,8 @@ TEST_CASE("tcp: a returning peer has a place even if all were taken meanwhile", 
   CHECK(here.has(2));
 }
 
-TEST_CASE(
-    "tcp: who had hardly been here has no place, and who is bound to an id gives way to nobody",
-    "[net][fault]") {
+TEST_CASE("tcp: a brief member keeps no place, and a bound one gives way to no other",
+          "[net][fault]") {
   const bool bound = GENERATE(false, true);
   Here here;
   REQUIRE(here.join(2, 2));
@@ -99,7 +98,7 @@ TEST_CASE(
   CHECK(here.join(2, 2) == 0U);
 }
 
-TEST_CASE("tcp: of those who come back the elder one has the place, and keeps it", "[net][fault]") {
+TEST_CASE("tcp: the elder of two returning members gets the place and keeps it", "[net][fault]") {
   Here here;
   for (PeerId id = 2; id < 5; ++id) REQUIRE(here.join(id, static_cast<std::uint8_t>(id)));
   here.wait(11);

@@ -26,7 +26,7 @@ TEST_CASE("session: addresses are read and written alike", "[net][unit]") {
   }
 }
 
-TEST_CASE("session: what is no address is refused with its text", "[net][fault]") {
+TEST_CASE("session: an invalid address is refused with its text", "[net][fault]") {
   for (const std::string text :
        {"", ":", "localhost", "localhost:", ":5000", "localhost:0", "localhost:65536",
         "localhost:-1", "localhost:80x", "::1:80", "[]:80", "localhost: 80"}) {

@@ -170,7 +170,7 @@ struct Pair {
 
 }  // namespace
 
-TEST_CASE("conditions: over TCP all comes in order and once, whatever is lost on the way",
+TEST_CASE("conditions: over TCP all messages come in order and once despite losses",
           "[net][socket]") {
   const raw::LeakCheck leaks;
   std::vector<std::unique_ptr<Pair>> pairs;

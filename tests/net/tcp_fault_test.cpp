@@ -135,7 +135,7 @@ TEST_CASE("tcp: a handshake that never ends is timed out", "[net][socket][fault]
   CHECK(a.strangers().last_reason == "handshake timed out");
 }
 
-TEST_CASE("tcp: strangers who say nothing do not keep peers out", "[net][socket][fault]") {
+TEST_CASE("tcp: silent strangers do not keep peers out", "[net][socket][fault]") {
   const raw::LeakCheck leaks;
   TcpTransport a(options(1));
   std::vector<raw::Socket> mute;
@@ -146,8 +146,7 @@ TEST_CASE("tcp: strangers who say nothing do not keep peers out", "[net][socket]
   check_alive(a);
 }
 
-TEST_CASE("tcp: who opens many connections and goes on with none pushes out his own",
-          "[net][socket][fault]") {
+TEST_CASE("tcp: a stranger with many idle connections pushes out its own", "[net][socket][fault]") {
   const raw::LeakCheck leaks;
   TcpTransport a(options(1));
   std::vector<raw::Socket> mute;
@@ -245,8 +244,7 @@ TEST_CASE("tcp: a peer gone bad is dropped with a reason", "[net][socket][fault]
   check_alive(a);
 }
 
-TEST_CASE("tcp: a peer that claims to have had what was never sent is refused",
-          "[net][socket][fault]") {
+TEST_CASE("tcp: a peer that acknowledges unsent messages is refused", "[net][socket][fault]") {
   const raw::LeakCheck leaks;
   TcpTransport a(options(1));
   for (const std::uint64_t received : {0ull, 5ull}) {  // known from the second time on

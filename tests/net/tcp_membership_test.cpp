@@ -72,7 +72,7 @@ std::string reason_of_dial(const TcpTransport& at) { return at.dials().front().r
 
 }  // namespace
 
-TEST_CASE("tcp membership: nobody takes the id of one who is there, nor a derived one, ever",
+TEST_CASE("tcp membership: a present member's id and derived ids cannot be taken",
           "[net][socket][fault]") {
   const raw::LeakCheck leaks;
   TcpTransport a(tcp(1, key(1)));

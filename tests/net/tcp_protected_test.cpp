@@ -238,7 +238,7 @@ TEST_CASE("protected tcp: one address is enough for a full mesh", "[net][socket]
   CHECK(eventually([&] { return linked(a, b) && linked(a, c) && linked(b, c); }));
 }
 
-TEST_CASE("protected tcp: who does not have the key is refused, with the reason where he asks well",
+TEST_CASE("protected tcp: a peer without the key is refused with a reason",
           "[net][socket][fault]") {
   const raw::LeakCheck leaks;
   TcpTransport a(keyed(1));

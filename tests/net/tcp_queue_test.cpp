@@ -230,7 +230,7 @@ TEST_CASE("tcp: reliable frames lost with a connection are sent again", "[net][s
   CHECK(raw::number(std::span(frame->payload).first(8)) == 1);
 }
 
-TEST_CASE("tcp: what was posted as reliable leaves before the end", "[net][socket]") {
+TEST_CASE("tcp: reliable messages leave before the end", "[net][socket]") {
   const raw::LeakCheck leaks;
   TcpTransport a(options(1));
   constexpr std::uint64_t kCount = 200;

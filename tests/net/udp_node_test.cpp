@@ -81,7 +81,7 @@ TEST_CASE("udp node: a restarted peer takes over at once", "[net][fault]") {
   CHECK(world.node(1).connections() == 1);
 }
 
-TEST_CASE("udp node: a peer whose clock was set back is let in once its predecessor is silent",
+TEST_CASE("udp node: a peer with its clock set back is admitted after its predecessor",
           "[net][fault]") {
   World world({.delay = 20 * kMs});
   world.start(1);
@@ -435,7 +435,7 @@ TEST_CASE("udp node: all have one time, also where one of them came late", "[net
   }
 }
 
-TEST_CASE("udp node: nobody is sent more than he sends, and who stalls keeps nobody else out",
+TEST_CASE("udp node: strangers get no more bytes than they send and keep no peer out",
           "[net][fault]") {
   // Strangers at 200 addresses who ask, take a cookie and say no more; the attacker hears all.
   World world({.delay = 10 * kMs});

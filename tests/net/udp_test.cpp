@@ -98,7 +98,7 @@ TEST_CASE("udp: two peers on loopback exchange states and long messages, and par
   CHECK(status(a, 2).reason == "peer: has left");
 }
 
-TEST_CASE("udp: what is posted last as Reliable arrives although the peer leaves at once",
+TEST_CASE("udp: the last Reliable message arrives although the peer leaves at once",
           "[net][socket]") {
   UdpTransport a(options(1));
   {

@@ -204,7 +204,7 @@ TEST_CASE("ball drive: cone and twist limits are stronger", "[pbd][joint][drive]
   CHECK(m.world.twist(m.body).angular.norm() < 0.05);  // it slides along the cone to where it stays
 }
 
-TEST_CASE("ball drive: what runs keeps its body awake, what holds lets it sleep",
+TEST_CASE("ball drive: a running drive keeps its body awake, a holding one lets it sleep",
           "[pbd][joint][drive]") {
   const bool runs = GENERATE(true, false);
   Driven m(false, WorldDef{}, Vec3(0.5, 0.0, 0.0), {});

@@ -57,7 +57,7 @@ TEST_CASE("bodies: a force acts for one step, off the centre with its moment", "
   CHECK(world.twist(body).angular.z() == spin);
 }
 
-TEST_CASE("bodies: damping is exponential, whatever the step", "[pbd][analytic]") {
+TEST_CASE("bodies: damping is exponential at any step", "[pbd][analytic]") {
   for (const double dt : {kFrame, 0.1}) {
     World world(weightless());
     BodyDef def = box_def(1.0, kHalf, Vec3::Zero());
@@ -99,7 +99,7 @@ TEST_CASE("bodies: a kinematic body is where it was sent, and stands there", "[p
                     Catch::Contains("a kinematic body"));
 }
 
-TEST_CASE("sleep: what rests sleeps, bit for bit where it was, until it is disturbed",
+TEST_CASE("sleep: a resting body sleeps, bit for bit in place, until it is disturbed",
           "[pbd][unit]") {
   Resting scene;
   scene.sleep();
@@ -118,12 +118,12 @@ TEST_CASE("sleep: what rests sleeps, bit for bit where it was, until it is distu
     scene.world.apply_force(scene.box, Vec3(0.0, 0.0, 1.0));
     CHECK(scene.world.awake(scene.box));
   }
-  SECTION("by losing what it lies on") {
+  SECTION("by losing its support") {
     scene.world.remove_body(scene.ground);
     run(scene.world, scene.solver, 0.5);
     CHECK(scene.world.pose(scene.box).position.z() < 0.0);
   }
-  SECTION("by having what it lies on moved away") {
+  SECTION("by having its support moved away") {
     scene.contacts.remove_body(scene.box);
     run(scene.world, scene.solver, 0.5);
     CHECK(scene.world.pose(scene.box).position.z() < 0.0);

@@ -92,7 +92,7 @@ TEST_CASE("by body: the rows of a body are those that name it", "[pbd][unit]") {
   }
 }
 
-TEST_CASE("by body: what is removed at once takes its own contacts and rows with it, and no others",
+TEST_CASE("by body: bodies removed together take only their own contacts and rows along",
           "[pbd][unit]") {
   Crowd crowd;
   const auto all = crowd.world.contacts()->contacts();

@@ -52,8 +52,7 @@ struct Line {
 
 }  // namespace
 
-TEST_CASE("cloth block: rows go with bodies and by their ids, and what is left holds",
-          "[pbd][unit]") {
+TEST_CASE("cloth block: rows go with their bodies or by id, and the others hold", "[pbd][unit]") {
   Line line;
   line.steps(30);
   CHECK(line.cloth->report().rows == 5 + 3);

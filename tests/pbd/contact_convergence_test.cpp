@@ -72,8 +72,7 @@ TEST_CASE("convergence: a blow on a train of balls arrives at the wall", "[conta
   for (const SolverBody& body : train.bodies) CHECK(std::abs(body.v.x()) < 1e-4);
 }
 
-TEST_CASE("convergence: what is solved is not swept, and neither is what nobody moved",
-          "[contact]") {
+TEST_CASE("convergence: solved and undisturbed rows are not swept", "[contact]") {
   Train still(5);
   still.sweep();
   CHECK(still.run(1e-6, 1000).swept == 0);
@@ -87,7 +86,7 @@ TEST_CASE("convergence: what is solved is not swept, and neither is what nobody 
   CHECK(swept < 20);
 }
 
-TEST_CASE("convergence: the budget holds, goes to the hardest blow and says what it left",
+TEST_CASE("convergence: the budget is kept, goes to the hardest blow and reports the rest",
           "[contact]") {
   Train train(40);
   train.bodies[10].v = Vec3(-0.01, 0.0, 0.0);

@@ -90,7 +90,7 @@ TEST_CASE("contact: without restitution a ball stays down", "[pbd][unit]") {
   CHECK(std::abs(drop.height()) < 1e-4);
 }
 
-TEST_CASE("contact: a fully elastic ball keeps what its free fall conserves", "[pbd][analytic]") {
+TEST_CASE("contact: a fully elastic ball keeps the invariant of its free fall", "[pbd][analytic]") {
   // Semi-implicit Euler conserves v^2 / 2 + g z - g h v / 2 in free fall; a bounce must not add.
   for (const int substeps : {4, 40}) {
     Drop drop(0.5, 1.0);
@@ -313,7 +313,7 @@ TEST_CASE("contact: forces follow their feature, else the nearest anchor", "[pbd
     block.set_manifolds(next, workers);
     CHECK(block.contacts()[0].force[0] == 0.0);
   }
-  SECTION("manifolds come sorted by key, whatever the order of detection") {
+  SECTION("manifolds come sorted by key for any order of detection") {
     const auto kept = block_with_rows();
     ContactBlock& block = *kept;
     std::vector<Manifold> next{manifold({point(0.0, 10)}), manifold({point(0.0, 10)})};

@@ -209,7 +209,7 @@ TEST_CASE("contact: other rows do not change the sign of a zero", "[pbd][lcp]") 
   }
 }
 
-TEST_CASE("contact: points whose share of a load is open converge to one that holds",
+TEST_CASE("contact: points with an undetermined share of a load converge to a valid one",
           "[pbd][lcp]") {
   std::mt19937 random(11);
   for (int rank = 1; rank <= 3; ++rank) {

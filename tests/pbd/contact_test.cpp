@@ -231,7 +231,7 @@ TEST_CASE("contact: a heavy box rests on a light one", "[pbd][regression]") {
   CHECK(world.twist(heavy).linear.norm() < 1e-3);
 }
 
-TEST_CASE("contact: a kinematic floor carries what lies on it along", "[pbd][unit]") {
+TEST_CASE("contact: a kinematic floor carries bodies along", "[pbd][unit]") {
   World world;
   ToyContacts contacts;
   world.set_contact_source(&contacts);

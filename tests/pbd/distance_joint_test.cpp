@@ -113,8 +113,7 @@ TEST_CASE("distance_joint: a free pair swings with the period of its reduced mas
   CHECK(period == Approx(2.0 * kPi / omega).epsilon(1e-4));
 }
 
-TEST_CASE("distance_joint: stretch under load is F / k, whatever the iterations",
-          "[pbd][analytic]") {
+TEST_CASE("distance_joint: stretch under load is F / k for any iterations", "[pbd][analytic]") {
   for (const int joint_iterations : {1, 5, 50}) {
     for (const int position_iterations : {1, 4}) {
       World world;

@@ -53,7 +53,8 @@ TEST_CASE("joint chain: the ball is where the equations of motion put it",
   }
 }
 
-TEST_CASE("joint chain: hanging, each joint carries what is below it", "[pbd][joint][analytic]") {
+TEST_CASE("joint chain: in a hanging chain each joint carries all links below it",
+          "[pbd][joint][analytic]") {
   World world;
   auto& joints = world.add_block<JointBlock>();
   std::vector<JointId> ids;

@@ -24,7 +24,7 @@ double energy_of(const World& world, int substeps) {
 
 }  // namespace
 
-TEST_CASE("joint motion: a fast heavy top keeps energy and what gravity has no moment about",
+TEST_CASE("joint motion: a fast heavy top keeps energy, axial and vertical momentum",
           "[pbd][joint][analytic]") {
   World world;
   auto& joints = world.add_block<JointBlock>();

@@ -75,7 +75,7 @@ TEST_CASE("joint servo: the force is min(k x, F) at any substep", "[pbd][joint][
   CHECK(worst < 1e-9);
 }
 
-TEST_CASE("joint servo: a load within its bound sags m g / k, a larger one falls by what is left",
+TEST_CASE("joint servo: a load within its bound sags m g / k, a larger one falls",
           "[pbd][joint][servo][analytic]") {
   Mounted m(WorldDef{});
   m.add_box(2.0, Vec3::Zero());
@@ -239,7 +239,7 @@ TEST_CASE("joint servo: invalid servos are refused, and snapshots keep valid one
   CHECK(cart.world.hash() == hash);
 }
 
-TEST_CASE("joint servo: what it holds may sleep", "[pbd][joint][servo][sleep]") {
+TEST_CASE("joint servo: a held body may sleep", "[pbd][joint][servo][sleep]") {
   Mounted m(WorldDef{}, {});
   m.add_box(2.0, Vec3::Zero());
   SliderJointDef def = slider_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitZ());

@@ -96,7 +96,7 @@ TEST_CASE("joint spring: a load stretches it by m g over the stiffness of its fr
   CHECK(m.state().load[0] == Approx(5.0 * kGravity).epsilon(1e-9));
 }
 
-TEST_CASE("joint spring: however many hold one body, its energy stays what it was",
+TEST_CASE("joint spring: any number of springs on one body keep its energy",
           "[pbd][joint][spring][energy]") {
   const double turn = GENERATE(0.05, 0.2, 0.5, 0.8, 1.0, 10.0, 1e4);  // rad in a substep
   const int count = GENERATE(1, 12);
@@ -118,7 +118,7 @@ TEST_CASE("joint spring: however many hold one body, its energy stays what it wa
   if (turn >= 1.0) CHECK(m.world.kinetic_energy() < 1e-6 * energy);
 }
 
-TEST_CASE("joint spring: snapshots keep what it was weighed with", "[pbd][joint][spring]") {
+TEST_CASE("joint spring: snapshots keep the masses behind its stiffness", "[pbd][joint][spring]") {
   Mounted m(WorldDef{});
   m.add_box(2.0, Vec3(0.3, 0.1, 0.0));
   HingeJointDef def = hinge_joint_at(m.world, {}, m.body, Vec3::Zero(), Vec3::UnitY());
@@ -133,7 +133,7 @@ TEST_CASE("joint spring: snapshots keep what it was weighed with", "[pbd][joint]
   CHECK(m.world.hash() == hash);
 }
 
-TEST_CASE("joint friction: a hinge stops after I w / M, and holds what is less than it",
+TEST_CASE("joint friction: a hinge stops after I w / M and holds smaller torques",
           "[pbd][joint][friction][analytic]") {
   Mounted m;
   m.add_box(2.0, Vec3::Zero());

@@ -141,7 +141,7 @@ Worst close(Draw& draw, Kind kind, Way way) {
   return worst;
 }
 
-TEST_CASE("joint start: what is violated closes at a bounded speed and leaves no velocity",
+TEST_CASE("joint start: a violation closes at a bounded speed and leaves no velocity",
           "[pbd][joint][property]") {
   for (int kind = 0; kind < kKinds; ++kind) {
     for (int way = 0; way < kWays; ++way) {
@@ -287,7 +287,7 @@ TEST_CASE("joint start: a limit holds in steps in which nothing moves by the tol
   CHECK(arm.angle() == Approx(0.0).margin(1e-5));
 }
 
-TEST_CASE("joint start: a limit that is met at speed stops what moves", "[pbd][joint]") {
+TEST_CASE("joint start: a limit that is met at speed stops the motion", "[pbd][joint]") {
   // Not by displacement: it has to stop within the step.
   Arm arm(-3.0, 0.5, -1.0);
   double beyond = 0.0;
@@ -296,7 +296,7 @@ TEST_CASE("joint start: a limit that is met at speed stops what moves", "[pbd][j
   CHECK(arm.angle() == Approx(0.5).margin(1e-5));
 }
 
-TEST_CASE("joint start: a rod whose ends are too far apart closes without velocity",
+TEST_CASE("joint start: a rod with ends too far apart closes without velocity",
           "[pbd][joint][property]") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);

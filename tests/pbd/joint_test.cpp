@@ -50,7 +50,7 @@ Eigen::Matrix<double, 7, 1> coordinates_of(const Pose& a, const Pose& b,
 
 }  // namespace
 
-TEST_CASE("joint: one projection follows the numerical gradient, whatever is locked",
+TEST_CASE("joint: one projection follows the numerical gradient for any locked axes",
           "[pbd][joint][gradient]") {
   // Which coordinates hold: fixed, ball, hinge, slider, universal, planar, and oblique limits.
   for (const std::uint32_t held : {0b111111u, 0b000111u, 0b110111u, 0b111110u, 0b011111u, 0b111100u,

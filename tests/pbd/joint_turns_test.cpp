@@ -95,7 +95,7 @@ TEST_CASE("joint: about y or z alone it turns as about x, over half a turn and m
   }
 }
 
-TEST_CASE("joint: what is freed about another axis goes on from where it is", "[pbd][joint]") {
+TEST_CASE("joint: a body freed about another axis goes on from its present pose", "[pbd][joint]") {
   Mounted m;
   m.add_box(1.0, Vec3::Zero());
   SixDofJointDef def = six_dof_joint_at(m.world, {}, m.body, Vec3::Zero());

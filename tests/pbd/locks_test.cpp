@@ -37,7 +37,7 @@ TEST_CASE("locks: a torque about the one free axis meets the inertia about that 
   CHECK((world.twist(body).angular - Vec3(0.0, 6.0 / 3.0 * 1e-3, 0.0)).norm() < 1e-9);
 }
 
-TEST_CASE("locks: an impulse changes what is free, by the inertia that is free",
+TEST_CASE("locks: an impulse changes the free motions, by the free inertia",
           "[pbd][locks][analytic]") {
   World world(weightless());
   BodyDef def = tilted();

@@ -54,7 +54,7 @@ TEST_CASE("math: exp_map is the rotation about an axis, on both sides of its ser
   }
 }
 
-TEST_CASE("math: log_map takes the shorter arc, whatever the quaternion's sign", "[pbd][unit]") {
+TEST_CASE("math: log_map takes the shorter arc for either sign of the quaternion", "[pbd][unit]") {
   for (const Vec3& axis : directions()) {
     for (const double angle : {1e-11, 0.2, 2.0, kPi - 1e-9}) {
       const Quat q = exp_map(angle * axis);
@@ -126,7 +126,7 @@ TEST_CASE("math: tangent_frame turns little where the normal turns little", "[pb
   }
 }
 
-TEST_CASE("math: the inverse of what is free is that of the free block alone", "[pbd][analytic]") {
+TEST_CASE("math: the inverse over free axes is that of the free block alone", "[pbd][analytic]") {
   Mat3 tensor;
   tensor << 4.0, 1.0, 0.5, 1.0, 3.0, 0.2, 0.5, 0.2, 2.0;
   CHECK(inverse_where_free(tensor) == Mat3(tensor.inverse()));

@@ -93,7 +93,7 @@ TEST_CASE("part sweep: rows that share a body are visited in the order of one th
   }
 }
 
-TEST_CASE("part sweep: the number of workers has no say in what a block holds", "[pbd][unit]") {
+TEST_CASE("part sweep: the number of workers does not change the blocks", "[pbd][unit]") {
   // Columns of bricks, each brick beside one of the next column or of the one before.
   constexpr std::uint32_t kWide = 150;
   constexpr std::uint32_t kHigh = 20;

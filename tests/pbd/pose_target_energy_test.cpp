@@ -74,7 +74,7 @@ TEST_CASE("pose_target energy: in a symmetric exchange without delay it never ri
   }
 }
 
-TEST_CASE("pose_target energy: the average of two velocities has what the textbook says",
+TEST_CASE("pose_target energy: the average of two velocities has the textbook's energy",
           "[pbd][consensus][analytic]") {
   World world(weightless());
   FixedTargets source;
@@ -113,7 +113,7 @@ TEST_CASE("pose_target energy: the potential part is m g dz of the displacement"
   }
 }
 
-TEST_CASE("pose_target energy: displacement carries none, whatever turns and spins",
+TEST_CASE("pose_target energy: displacement adds none for any turn and spin",
           "[pbd][consensus][analytic]") {
   for (const int substeps : {1, 4, 10}) {
     World world(weightless());

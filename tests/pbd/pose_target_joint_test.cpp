@@ -232,7 +232,7 @@ TEST_CASE("pose_target: owners that pull at both ends of a chain do not tear it"
   CHECK(world.kinetic_energy() < 1e-9);
 }
 
-TEST_CASE("pose_target: split over substeps, what the joint took back is asked for again",
+TEST_CASE("pose_target: each substep asks again for the part that the joint took back",
           "[pbd][consensus][analytic]") {
   // Each substep closes its share s_n of what is missing, and the joint gives half of that to the
   // other of two equal bodies: 1 - (1 - s_n / 2)^n of the gap.

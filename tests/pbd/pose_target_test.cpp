@@ -199,7 +199,7 @@ TEST_CASE("pose_target: a share means the same for every length of step",
   }
 }
 
-TEST_CASE("pose_target: the correction that is reported is what agreement did",
+TEST_CASE("pose_target: the reported correction is agreement's displacement",
           "[pbd][consensus][unit]") {
   Free with(0.25, Vec3(0.0, 0.0, -9.81));
   Free without(0.0, Vec3(0.0, 0.0, -9.81));

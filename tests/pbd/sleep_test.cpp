@@ -66,7 +66,8 @@ TEST_CASE("sleep: the speed and the spin below which bodies rest are the applica
   }
 }
 
-TEST_CASE("sleep: what trembles about a place rests, and what creeps does not", "[pbd][sleep]") {
+TEST_CASE("sleep: a body trembling about a place rests, and a creeping one does not",
+          "[pbd][sleep]") {
   // On a rod of 1 cm, 0.2 mm to both sides at 31 rad/s: 6 mm/s at most.
   World world;
   auto& rods = world.add_block<DistanceJoints>();

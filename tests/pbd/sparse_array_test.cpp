@@ -15,7 +15,7 @@
 using namespace tandem::pbd;
 using tandem::pbd::detail::SparseArray;
 
-TEST_CASE("sparse array: new elements are zero, what was written stays", "[pbd][unit]") {
+TEST_CASE("sparse array: new elements are zero, written ones stay", "[pbd][unit]") {
   SparseArray<std::uint32_t> array;
   const auto zero = [](std::uint32_t value) { return value == 0; };
   array.resize(3000);
@@ -41,8 +41,7 @@ TEST_CASE("sparse array: new elements are zero, what was written stays", "[pbd][
   CHECK(moved[20] == 10);
 }
 
-TEST_CASE("sparse array: what is not written to takes no memory, nor does its copy",
-          "[pbd][unit]") {
+TEST_CASE("sparse array: unwritten elements take no memory, nor do their copies", "[pbd][unit]") {
   const auto resident = [] {  // bytes; 0 where the system does not tell
     std::ifstream file("/proc/self/statm");
     double all = 0.0;

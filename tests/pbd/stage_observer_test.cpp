@@ -60,7 +60,7 @@ TEST_CASE("stages: an observer hears all of a step once, in order and without a 
   CHECK(integrations == 2 * 3);  // velocities, then poses
 }
 
-TEST_CASE("stages: who looks on changes no bit", "[pbd][golden]") {
+TEST_CASE("stages: an observer changes no bit", "[pbd][golden]") {
   World seen = flying();
   World alone = flying();
   Spans heard;

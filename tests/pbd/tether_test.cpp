@@ -67,7 +67,7 @@ TEST_CASE("tether: its force stops at the limit", "[pbd][analytic]") {
   CHECK((world.twist(body).linear - 0.5 * 5.0 * Vec3(0.6, 0.8, 0.0)).norm() < 1e-9);
 }
 
-TEST_CASE("tether: a weight beyond the limit falls with what is left", "[pbd][analytic]") {
+TEST_CASE("tether: a weight beyond the limit falls with the remaining force", "[pbd][analytic]") {
   World world;
   auto& tethers = world.add_block<Tethers>();
   const BodyId body = world.add_body(box_def(2.0, kHalf, Vec3(0.0, 0.0, -5.0)));

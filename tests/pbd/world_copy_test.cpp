@@ -119,7 +119,7 @@ TEST_CASE("world_copy: a block becomes no copy of another kind", "[pbd][fault]")
   CHECK(tethers.contains(scene.tether));
 }
 
-TEST_CASE("world_copy: set_state sets what it is told and wakes nobody else", "[pbd][unit]") {
+TEST_CASE("world_copy: set_state sets the given state and wakes no other body", "[pbd][unit]") {
   Scene scene;
   WorldCopy copy;
   REQUIRE(copy.assign(scene.world));
