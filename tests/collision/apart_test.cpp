@@ -100,7 +100,7 @@ TEST_CASE("apart: bodies touch again when their joint is off, broken or gone",
   CHECK(scene.apart(a, b) > 0.195);
 }
 
-TEST_CASE("apart: what was named passes through, everything else touches", "[collision][apart]") {
+TEST_CASE("apart: named pairs pass through each other, all others touch", "[collision][apart]") {
   Balls scene({}, {.sleep_after = 0.0});
   const BodyId floor = scene.world.add_body({.type = BodyType::Static});
   scene.shapes.add(scene.world, {.body = floor, .shape = Box{Vec3(2.0, 2.0, 0.005)}});
@@ -174,7 +174,7 @@ TEST_CASE("apart: a body that takes a removed one's place touches", "[collision]
   CHECK(scene.contacts() == 1);
 }
 
-TEST_CASE("apart: errors name what is no pair of bodies", "[collision][apart]") {
+TEST_CASE("apart: errors name an invalid pair of bodies", "[collision][apart]") {
   Balls scene;
   const BodyId a = scene.add(Vec3::Zero());
   CHECK(names(refusal([&] { scene.shapes.set_apart(scene.world, a, a); }), "set_apart", "b",

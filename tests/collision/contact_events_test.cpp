@@ -158,7 +158,7 @@ TEST_CASE("contact_events: a sensor reports entries and exits exactly", "[collis
   CHECK(s.begun == 0);
 }
 
-TEST_CASE("contact_events: what flies through a sensor within a step is seen, a jump is not",
+TEST_CASE("contact_events: a sensor sees a body that flies through it in a step, not a jump",
           "[collision][events]") {
   Stage s;
   s.world.set_gravity(Vec3::Zero());
@@ -177,7 +177,8 @@ TEST_CASE("contact_events: what flies through a sensor within a step is seen, a 
   CHECK(s.events.in_sensors().empty());
 }
 
-TEST_CASE("contact_events: a sensor that moves sees what it sweeps over", "[collision][events]") {
+TEST_CASE("contact_events: a moving sensor sees the bodies that it sweeps over",
+          "[collision][events]") {
   Stage s;
   s.world.set_gravity(Vec3::Zero());
   const BodyId arm = s.body(at(-5, 0, 0), BodyType::Kinematic);

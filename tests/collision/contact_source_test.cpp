@@ -293,8 +293,7 @@ TEST_CASE("contact_source: beside a plane at rest the length of steps is of no m
   }
 }
 
-TEST_CASE("contact_source: room that is made before takes the place of what would grow",
-          "[collision][unit]") {
+TEST_CASE("contact_source: reserved memory does not grow later", "[collision][unit]") {
   const auto build = [](bool room) {
     Fixture f;
     const AllocationCount count;

@@ -300,7 +300,7 @@ TEST_CASE("convex: mass, centre and inertia of round shapes agree with Monte Car
   }
 }
 
-TEST_CASE("convex: a box cut in two weighs what it weighs in one", "[collision][analytic]") {
+TEST_CASE("convex: a box cut in two keeps its weight", "[collision][analytic]") {
   const Vec3 half(0.5, 0.3, 0.2);
   const Pose turned = at(Vec3(1, 2, 3), Vec3(0.3, -0.5, 0.8));
   std::vector<CompoundPart> parts;
@@ -317,7 +317,7 @@ TEST_CASE("convex: a box cut in two weighs what it weighs in one", "[collision][
   CHECK((cut.inertia - turn * whole.inertia * turn.transpose()).norm() < 1e-9);
 }
 
-TEST_CASE("convex: parts of a compound share what their collider says", "[collision][unit]") {
+TEST_CASE("convex: parts of a compound share their collider's settings", "[collision][unit]") {
   Fixture f;
   f.fixed(HalfSpace{});
   ColliderDef def;

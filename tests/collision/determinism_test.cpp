@@ -232,7 +232,7 @@ struct Sleepers {
 
 }  // namespace
 
-TEST_CASE("sleep: what sleeps keeps its contacts without being looked at", "[collision][unit]") {
+TEST_CASE("sleep: a sleeping body keeps its contacts without detection", "[collision][unit]") {
   Sleepers s;
   REQUIRE(s.run());
   const std::vector<std::byte> before = bytes_of(s.f.collect());

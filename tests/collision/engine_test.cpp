@@ -61,8 +61,7 @@ TEST_CASE("engine: ten cubes, each off its place by a centimetre, stand for 20 s
   CHECK(f.scene.stats().queries == 0);
 }
 
-TEST_CASE("engine: stacks on a plate come to rest in whatever order they were added",
-          "[collision][soak]") {
+TEST_CASE("engine: stacks on a plate come to rest in any order of addition", "[collision][soak]") {
   // Four stacks that hang together by the plate under them, in orders of addition that have nothing
   // to do with what rests on what. Swept in these orders they rock by half a millimetre for ever.
   const unsigned order = GENERATE(1u, 2u, 3u, 4u, 5u, 6u);
@@ -222,7 +221,7 @@ TEST_CASE("engine: vanishing shares leave a sliding box and a stack as they are"
   }
 }
 
-TEST_CASE("engine: what a kinematic body is sent through goes along", "[collision][unit]") {
+TEST_CASE("engine: a kinematic body takes along bodies in its way", "[collision][unit]") {
   // The plate moves fifty times its thickness, five times the ball's size, within one step.
   for (const bool asleep : {false, true}) {
     Fixture f;
@@ -244,7 +243,8 @@ TEST_CASE("engine: what a kinematic body is sent through goes along", "[collisio
   }
 }
 
-TEST_CASE("engine: a locked body is not thrown by what it cannot follow", "[collision][fault]") {
+TEST_CASE("engine: a locked body is not thrown by a plate that it cannot follow",
+          "[collision][fault]") {
   Fixture f;
   f.world.set_gravity(Vec3::Zero());
   const BodyId plate = f.add(Box{Vec3(1.0, 1.0, 0.01)}, at(0, 0, 0), BodyType::Kinematic);
@@ -299,7 +299,7 @@ TEST_CASE("engine: a block of boxes that falls solves no step many times as much
 
 }  // namespace
 // Without gravity there is no weight to measure by.
-TEST_CASE("engine: what floats and is squeezed is solved", "[collision][regression]") {
+TEST_CASE("engine: a squeezed row of floating bodies is solved", "[collision][regression]") {
   Fixture f;
   f.world.set_contact_source(&f.scene);
   f.world.set_gravity(Vec3::Zero());
@@ -345,7 +345,7 @@ TEST_CASE("engine: a row that is squeezed is swept again no more often than aske
   CHECK(most_sweeps(1'000'000) > 3.0);
 }
 
-TEST_CASE("engine: what floats bounces, but for what hardly moves", "[collision][analytic]") {
+TEST_CASE("engine: floating bodies bounce unless they hardly move", "[collision][analytic]") {
   for (const double speed : {10.0, 1.0, 0.1, 1e-4}) {
     Fixture f;
     f.world.set_contact_source(&f.scene);

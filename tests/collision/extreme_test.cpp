@@ -72,7 +72,7 @@ TEST_CASE("extreme: at 1000 m/s nothing gets through a wall of 1 cm or a mesh",
   }
 }
 
-TEST_CASE("extreme: what stays on its side is not limited", "[collision][unit]") {
+TEST_CASE("extreme: a motion that stays on its side is not limited", "[collision][unit]") {
   Fixture f;
   f.fixed(Box{Vec3(0.005, 2, 2)});
   const BodyId ball = f.add(Sphere{0.1}, at(-3, 0, 0));

@@ -69,7 +69,7 @@ TEST_CASE("gjk: witnesses lie on both cores, and planes through them bound the c
   CHECK(apart > 10000);
 }
 
-TEST_CASE("gjk: the bounds meet whatever the sizes", "[collision][unit]") {
+TEST_CASE("gjk: the bounds meet for all sizes", "[collision][unit]") {
   // Millimetres against kilometres, needles and plates among them: long, thin simplices.
   Random random(13);
   const auto scale = [&] { return std::pow(10.0, random.in(-3.0, 3.0)); };

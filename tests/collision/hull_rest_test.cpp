@@ -148,7 +148,7 @@ TEST_CASE("hull rest: scanned boxes and tins lie still", "[collision][property]"
 }
 
 // A hull lies on many corners, of which four bear; the others would sink unnoticed.
-TEST_CASE("hull rest: parcels whose faces are scanned at many points lie still",
+TEST_CASE("hull rest: parcels with faces scanned at many points lie still",
           "[collision][property]") {
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     Random random(seed);

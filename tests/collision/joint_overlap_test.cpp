@@ -70,7 +70,7 @@ TEST_CASE("joint: limbs on ball joints that overlap at first get no speed from i
   CHECK(most < 0.5 * 37.2 * 0.04 * 0.04);
 }
 
-TEST_CASE("joint: an arm whose hinge holds it in a table lies still", "[collision][joint]") {
+TEST_CASE("joint: an arm held in a table by its hinge lies still", "[collision][joint]") {
   const double overlap = GENERATE(0.005, 0.02, 0.03);
   World world;
   auto& joints = world.add_block<JointBlock>();

@@ -192,7 +192,7 @@ TEST_CASE("manifold: a lying capsule has two points, a standing one hangs on one
   CHECK(standing.gap(only(standing), 0) == Approx(-0.01).margin(1e-12));
 }
 
-TEST_CASE("manifold: a capsule that hangs over the edge of a box stands on what is over it",
+TEST_CASE("manifold: a capsule over the edge of a box stands on the part above the box",
           "[collision][analytic]") {
   Fixture f;
   f.add(Capsule{0.2, 0.6}, at(Vec3(1.0, 0, 0.19), Vec3(0, std::numbers::pi / 2, 0)));

@@ -237,7 +237,7 @@ TEST_CASE("scene_query: a height field answers as the mesh of its triangles",
   CHECK(hits > 300);
 }
 
-TEST_CASE("scene_query: casts come to rest against what they meet",
+TEST_CASE("scene_query: a cast ends at the first body that it meets",
           "[collision][query][analytic]") {
   Fixture f;
   f.fixed(flat_mesh(20.0, 7), at(0, 0, 0));
@@ -487,7 +487,7 @@ TEST_CASE("scene_query: queries allocate nothing and may run side by side", "[co
   CHECK(second == two);
 }
 
-TEST_CASE("scene_query: what has moved while nobody asked is found where it sleeps now",
+TEST_CASE("scene_query: a body that moved between queries is found at its new place",
           "[collision][query]") {
   Fixture f;
   f.fixed(HalfSpace{Vec3::UnitZ(), 0.0});

@@ -75,8 +75,7 @@ TEST_CASE("shape: masses are the closed forms", "[collision][analytic]") {
   CHECK(close(capsule.inertia, Mat3(Vec3(side, side, axial).asDiagonal()), 1e-8 * side));
 }
 
-TEST_CASE("shape: a closed mesh weighs what the solid weighs, wherever it lies",
-          "[collision][analytic]") {
+TEST_CASE("shape: a closed mesh has the solid's mass at any place", "[collision][analytic]") {
   const Vec3 half(0.5, 1.0, 1.5);
   const MassProperties solid = mass_properties(Box{half}, 2.0);
   const MassProperties mesh = mass_properties(box_mesh(half), 2.0);
@@ -133,7 +132,7 @@ TEST_CASE("shape: a density that gives no finite mass or inertia is refused",
                     Contains("mass_properties: density") && Contains("1e+288"));
 }
 
-TEST_CASE("compound: parts whose sum is not finite are refused", "[collision][fault]") {
+TEST_CASE("compound: parts with a sum that is not finite are refused", "[collision][fault]") {
   const auto boxes = [](std::size_t count, double density, double apart) {
     std::vector<CompoundPart> parts;
     for (std::size_t i = 0; i < count; ++i) {
@@ -194,7 +193,7 @@ TEST_CASE("triangle_mesh: triangles that repeat their corners still know their n
   CHECK(mesh->ring(0).size() == 3);
 }
 
-TEST_CASE("triangle_mesh: the search tree finds what looking at all triangles finds",
+TEST_CASE("triangle_mesh: the search tree finds the same as a search of all triangles",
           "[collision][unit]") {
   const Mesh mesh = flat_mesh(10.0, 17);
   Random random(3);

@@ -174,7 +174,7 @@ TEST_CASE("parts: a scene that sleeps runs nothing once its contacts repeat", "[
   CHECK_FALSE(report.parts.contacts);
 }
 
-TEST_CASE("parts: describe() says what ran and what was left out", "[collision][unit]") {
+TEST_CASE("parts: describe() names the stages that ran and those left out", "[collision][unit]") {
   Fixture f;
   rain(f, Box{Vec3::Constant(0.2)}, {.friction = 0.5}, 3);
   Solver solver({.threads = 2});

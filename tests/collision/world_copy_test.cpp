@@ -228,7 +228,7 @@ TEST_CASE("world_copy: neither world knows of the other", "[collision][unit]") {
   CHECK(moved.world().snapshot() == before);
 }
 
-TEST_CASE("world_copy: a body that is put elsewhere asleep touches what is there",
+TEST_CASE("world_copy: a sleeping body put elsewhere touches the bodies there",
           "[collision][regression]") {
   Fixture f;
   f.fixed(HalfSpace{});

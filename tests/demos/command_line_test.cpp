@@ -32,8 +32,7 @@ int code(const std::string& program, const std::vector<std::string>& words,
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-TEST_CASE("command line: every program says what it takes and which version it is",
-          "[demos][unit]") {
+TEST_CASE("command line: every program prints its options and its version", "[demos][unit]") {
   const Folder folder;
   for (const std::string& program : programs()) {
     CAPTURE(program);
@@ -59,7 +58,7 @@ TEST_CASE("command line: a result that cannot be written is told before the run"
              folder.file("said")) == 2);
 }
 
-TEST_CASE("command line: a run says in words what happened, beside another one", "[demos][unit]") {
+TEST_CASE("command line: a run tells its result in words, beside another one's", "[demos][unit]") {
   const Folder folder;
   const auto said = [&folder](std::vector<std::string> words) {
     words.insert(words.end(), {"--seconds", "0.5"});

@@ -77,8 +77,7 @@ TEST_CASE("controls: a driven body is at its pose after the step and says how fa
   CHECK(controls.log().size() == 1);
 }
 
-TEST_CASE("controls: a user holds what they grabbed, where they did, until they let go",
-          "[demos][unit]") {
+TEST_CASE("controls: a user holds a grabbed body at its point until letting go", "[demos][unit]") {
   consensus::VirtualNetwork network;
   Scene scene = table_top({});
   consensus::Peer peer(*scene.world, network.transport(1));

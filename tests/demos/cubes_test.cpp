@@ -13,7 +13,7 @@ namespace {
 
 using pbd::Vec3;
 
-TEST_CASE("cubes: ids, measures and places are the same whatever the order", "[demos][unit]") {
+TEST_CASE("cubes: ids, measures and places are the same in any order", "[demos][unit]") {
   const CubesScenario scenario;
   const Scene plain = scenario.build({});
   const Scene shuffled = scenario.build({.order_seed = 5, .noise_seed = 0});

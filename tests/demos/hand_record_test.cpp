@@ -115,7 +115,7 @@ TEST_CASE("hand record: more than its rate or its longest allow is refused", "[d
   CHECK_THROWS_AS(read_hand_record("there is no such file"), std::runtime_error);
 }
 
-TEST_CASE("hand record: what is no regular file is refused, and not waited for", "[demos][fault]") {
+TEST_CASE("hand record: a path that is no regular file is refused at once", "[demos][fault]") {
   const testing::Folder folder;
   const auto refused = [](const std::string& path) {
     try {

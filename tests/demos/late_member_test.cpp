@@ -55,7 +55,7 @@ TEST_CASE("late member: of two others the older one costs no replay that goes ba
   }
 }
 
-TEST_CASE("late member: nothing is replayed for whom the votes left nothing", "[demos]") {
+TEST_CASE("late member: no replay is made for a member without votes left", "[demos]") {
   // At the age of the others' news, and far from them.
   const Company company{.honest = 2, .profile = 5, .seconds = 4.0};
   const Outcome alone = run(company, nullptr);
@@ -64,8 +64,7 @@ TEST_CASE("late member: nothing is replayed for whom the votes left nothing", "[
   CHECK(beside.worlds == alone.worlds);
 }
 
-TEST_CASE("late member: who is far follows, and the near ones have what they have without it",
-          "[demos]") {
+TEST_CASE("late member: a far peer follows, and the near ones are as without it", "[demos]") {
   const auto scenario = make_scenario("cubes");
   DemoOptions options = quiet(3, 5.0);
   options.peers = 3;

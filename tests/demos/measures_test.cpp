@@ -124,7 +124,7 @@ TEST_CASE("smoothness: a parabola has one acceleration and no jerk; pops are cou
   CHECK(smoothness(peers).acceleration.count == 0);
 }
 
-TEST_CASE("smoothness: a residual is what is fast in the difference to the reference",
+TEST_CASE("smoothness: a residual is the fast part of the difference to the reference",
           "[demos][analytic]") {
   std::vector<PeerRecord> peers{peer(1)};
   PeerRecord reference = peer(1);
@@ -213,7 +213,8 @@ TEST_CASE("agreement: bodies that two users hold count neither for the limit nor
   CHECK(held.limit_m.p50 == Approx(0.5 * 3.0 / (kRate * kRate)));
 }
 
-TEST_CASE("agreement: a blow is a jump of velocity near what its owner moves", "[demos][unit]") {
+TEST_CASE("agreement: a blow is a jump of velocity near a body that its owner moves",
+          "[demos][unit]") {
   std::vector<PeerRecord> peers{peer(1, 2), peer(2, 2)};
   for (PeerRecord& p : peers) p.owners = {0, 1};
   for (PeerRecord& p : peers) {
@@ -265,7 +266,7 @@ TEST_CASE("metrics: classes by owner, hand, speed and contact", "[demos][unit]")
   CHECK(of(false) == ObjectClass::Held);
 }
 
-TEST_CASE("metrics: what has just jumped is told apart and stays in the whole", "[demos][unit]") {
+TEST_CASE("metrics: bodies that have just jumped count apart and in the whole", "[demos][unit]") {
   std::vector<PeerRecord> peers{peer(1), peer(2)};
   for (PeerRecord& p : peers) p.owners = {1};
   peers[0].epoch = 100 * kMs;

@@ -36,7 +36,7 @@ TEST_CASE("options: nothing given is a virtual run of two peers", "[demos][unit]
   CHECK(o.predictor_kind() == consensus::PredictorKind::Replay);
 }
 
-TEST_CASE("options: what a run does without reaches the peer", "[demos][unit]") {
+TEST_CASE("options: ablated parts reach the peer", "[demos][unit]") {
   CHECK_FALSE(parse({}).ablation.any());
   const std::string help = usage_of_all("cubes");
   for (std::size_t i = 0; i < kParts; ++i) {
@@ -110,7 +110,7 @@ TEST_CASE("options: every option reaches its field, in both spellings", "[demos]
   CHECK(o.peer_options().coupling == consensus::Coupling::TwoStep);
 }
 
-TEST_CASE("options: what a run is shown beside", "[demos][unit]") {
+TEST_CASE("options: the run to compare with", "[demos][unit]") {
   CHECK_FALSE(parse({}).beside);
   CHECK_FALSE(parse({}).alone);
   CHECK_FALSE(parse({"--coupling", "none"}).beside);
@@ -130,7 +130,7 @@ TEST_CASE("options: what a run is shown beside", "[demos][unit]") {
         "--coupling A,B has no meaning with --listen or --connect");
 }
 
-TEST_CASE("options: what is said on the terminal", "[demos][unit]") {
+TEST_CASE("options: the amount of text on the terminal", "[demos][unit]") {
   CHECK(parse({}).print == Print::Story);
   CHECK(parse({"--print", "story"}).print == Print::Story);
   CHECK(parse({"--print", "details"}).print == Print::Details);
@@ -153,8 +153,7 @@ TEST_CASE("options: modes, predictors and rules reach the peer", "[demos][unit]"
   }
 }
 
-TEST_CASE("options: what a replay is asked for reaches the peer, and nothing else is taken",
-          "[demos][unit]") {
+TEST_CASE("options: settings of replays reach the peer, and others are refused", "[demos][unit]") {
   CHECK(parse({}).peer_options().replay.share == consensus::ReplayOptions{}.share);
   const auto asked =
       parse({"--agreement", "share=0.3,budget=7,inputs=common"}).peer_options().replay;
@@ -171,8 +170,7 @@ TEST_CASE("options: what a replay is asked for reaches the peer, and nothing els
   }
 }
 
-TEST_CASE("options: couplings that are compared differ in what they say and in nothing else",
-          "[demos][unit]") {
+TEST_CASE("options: compared couplings differ in their own settings alone", "[demos][unit]") {
   using consensus::Coupling;
   using consensus::PredictorKind;
   const auto of = [](std::string_view name) { return parse({"--coupling", name}).peer_options(); };
@@ -217,7 +215,7 @@ TEST_CASE("options: rates go round the peers", "[demos][unit]") {
   }
 }
 
-TEST_CASE("options: who listens is peer 1, who connects peer 2, unless told", "[demos][unit]") {
+TEST_CASE("options: a listener is peer 1 and a caller peer 2 by default", "[demos][unit]") {
   CHECK(parse({"--listen", "4000"}).peer_id == 1);
   CHECK(parse({"--listen", "4000"}).over_network());
   CHECK(parse({"--connect", "localhost:4000"}).peer_id == 2);
@@ -263,7 +261,7 @@ TEST_CASE("options: a key asks for UDP, which is on this machine alone without o
         "--send budget must be 0 or a number from 8 to 1e6 kbit/s, is '7'");
 }
 
-TEST_CASE("options: a refusal says what must be and what is", "[demos][fault]") {
+TEST_CASE("options: a refusal has the rule and the value", "[demos][fault]") {
   CHECK(refusal({"--profile", "6"}) == "--profile must be an integer from 0 to 5, is '6'");
   CHECK(refusal({"--profile", "2.5"}) == "--profile must be an integer from 0 to 5, is '2.5'");
   CHECK(refusal({"--seconds", "nan"}) == "--seconds must be a number from 0.1 to 86400, is 'nan'");
@@ -293,7 +291,7 @@ TEST_CASE("options: a refusal says what must be and what is", "[demos][fault]") 
   CHECK(refusal({"--send", "compact=1"}) == "--send compact must be without a value, is '1'");
 }
 
-TEST_CASE("options: what is unknown is told with what was meant", "[demos][fault]") {
+TEST_CASE("options: an unknown name is refused with the closest known one", "[demos][fault]") {
   CHECK(refusal({"--profil", "3"}) == "unknown option '--profil'; did you mean '--profile'?");
   CHECK(refusal({"--seeed=3"}) == "unknown option '--seeed'; did you mean '--seed'?");
   CHECK(refusal({"--bogus"}) == "unknown option '--bogus'; --help-all lists what there is");

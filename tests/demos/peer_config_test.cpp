@@ -139,8 +139,7 @@ address = "::1"
   CHECK(c.metrics_address == "::1");
 }
 
-TEST_CASE("peer config: an identity of its own by default, and an organiser who lets in",
-          "[demos]") {
+TEST_CASE("peer config: an identity of its own by default, and an organiser", "[demos]") {
   const std::filesystem::path folder = std::filesystem::temp_directory_path();
   const auto file = [&folder](const char* name, const std::string& text) {
     write_key(folder / name, text);
@@ -201,7 +200,7 @@ TEST_CASE("peer config: a refusal names file, line, key, value and rule", "[demo
         std::string::npos);
 }
 
-TEST_CASE("peer config: whom to trust is an id and a whole key", "[demos][fault]") {
+TEST_CASE("peer config: a trusted peer is an id and a whole key", "[demos][fault]") {
   const std::string network = "[network]\nlisten = 1\ninsecure = true\n[network.trusted]\n";
   for (const std::string& bad :
        {std::string("2 = \"12\""), std::string("2 = 12"), "0 = \"" + std::string(64, '1') + '"',

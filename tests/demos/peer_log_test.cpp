@@ -14,7 +14,7 @@ std::string value_of(std::string_view text) {
   return line.substr(line.find(" v=") + 3);
 }
 
-TEST_CASE("log: a line says when, how grave, what, and the fields", "[demos][unit]") {
+TEST_CASE("log: a line has time, level, event and fields", "[demos][unit]") {
   // 1234567890 s after 1970 is 2009-02-13 23:31:30 UTC.
   const std::chrono::system_clock::time_point time{std::chrono::milliseconds(1234567890123)};
   CHECK(logfmt(time, Level::Warn, "peer_lost",
@@ -23,7 +23,7 @@ TEST_CASE("log: a line says when, how grave, what, and the fields", "[demos][uni
         "reason=\"no answer\"");
 }
 
-TEST_CASE("log: what others say cannot end a line or begin a field", "[demos][fault]") {
+TEST_CASE("log: texts of others cannot end a line or begin a field", "[demos][fault]") {
   CHECK(value_of("plain-text_1.5") == "plain-text_1.5");
   CHECK(value_of("") == "\"\"");
   CHECK(value_of("a b=c") == "\"a b=c\"");

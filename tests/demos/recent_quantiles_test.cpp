@@ -22,7 +22,7 @@ TEST_CASE("recent quantiles: of 1 to 1000 each is within a bin of the true one",
   CHECK(q.sum() == Approx(500.5));
 }
 
-TEST_CASE("recent quantiles: what is two turns old is forgotten, its count is not",
+TEST_CASE("recent quantiles: samples two turns old are forgotten but stay counted",
           "[demos][unit]") {
   RecentQuantiles q;
   CHECK(q.quantile(0.5) == 0.0);

@@ -155,7 +155,7 @@ TEST_CASE("recorded hand: it is no faster than 2 m/s and stays within 10 cm of i
   }
 }
 
-TEST_CASE("recorded hand: it holds what has the name, else the next one of the scene",
+TEST_CASE("recorded hand: it holds the body of that name, else the scene's next one",
           "[demos][unit]") {
   const CubesScenario cubes;
   for (const auto& [name, user, held] :

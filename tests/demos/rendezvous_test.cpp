@@ -53,7 +53,7 @@ TEST_CASE("rendezvous: all agree on one epoch, and no word of it gets through", 
   CHECK(a.packets.empty());
   CHECK(b.packets.empty());
 
-  SECTION("who comes late, or again, takes over the running one, the lowest id included") {
+  SECTION("a late or returning peer adopts the running epoch, the lowest id too") {
     Node again(network, 1, scene);
     for (SessionTime now = 3000 * kMs; now < 4500 * kMs; now += 16 * kMs) {
       network.advance_to(now);
@@ -118,7 +118,7 @@ TEST_CASE("rendezvous: an epoch of another day is not taken over", "[demos][faul
   CHECK_FALSE(a.rendezvous.epoch().has_value());
 }
 
-TEST_CASE("remote view: tracks hold what was sent, at its stamp, with the hands", "[demos][unit]") {
+TEST_CASE("remote view: tracks hold sent states at their stamps, with the hands", "[demos][unit]") {
   const Scene scene = small_scene();
   RemoteView view(scene);
   consensus::StateUpdate state;
@@ -159,7 +159,7 @@ TEST_CASE("remote view: tracks hold what was sent, at its stamp, with the hands"
   CHECK(samples[1].users == 0);
 }
 
-TEST_CASE("remote view: a hand that has let go is not brought back by what was under way",
+TEST_CASE("remote view: packets under way do not bring back a hand that has let go",
           "[demos][unit]") {
   const Scene scene = small_scene();
   RemoteView view(scene);

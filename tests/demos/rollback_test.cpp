@@ -49,7 +49,7 @@ TEST_CASE("rollback: confirmed frames are the same bits at all peers", "[rollbac
   if (delay == 20) CHECK(demos::divergence(result.peers).back().distance == 0.0);
 }
 
-TEST_CASE("rollback: who comes late has the same bits", "[rollback]") {
+TEST_CASE("rollback: a latecomer has the same bits", "[rollback]") {
   const Run result =
       run("table", demo(3, 4, 0.1), {.input_delay = 2, .extrapolation = 12, .join = 120});
   CHECK(result.first_desync == -1);
@@ -61,7 +61,7 @@ TEST_CASE("rollback: an engine that differs is found out", "[rollback]") {
   CHECK(run("cubes", demo(2, 3, 0.0), {.other_substeps = 6}).first_desync >= 0);
 }
 
-TEST_CASE("rollback: nobody goes on without what a member does", "[rollback]") {
+TEST_CASE("rollback: no peer goes on without a member's inputs", "[rollback]") {
   demos::DemoOptions options = demo(3, 3, 0.0);
   options.network = "wifi";
   options.seconds = 10.0;
@@ -130,8 +130,7 @@ struct Company {
   std::int64_t frame = 0;
 };
 
-TEST_CASE("rollback: who is not heard stalls the others after the prediction window",
-          "[rollback]") {
+TEST_CASE("rollback: a silent peer stalls the others after the prediction window", "[rollback]") {
   const int window = GENERATE(6, 20);
   CAPTURE(window);
   Company company(3, {.prediction_window = window});
@@ -174,7 +173,7 @@ TEST_CASE("rollback: with n frames in each packet n - 1 losses in a row stall no
   CHECK(company.stalled(0) > 0);
 }
 
-TEST_CASE("rollback: what is shown comes to the world, and never goes away from it", "[rollback]") {
+TEST_CASE("rollback: the picture approaches the world and never leaves it", "[rollback]") {
   constexpr double kSmoothing = 0.1;  // s
   const auto scenario = make_scenario("cubes", 2);
   demos::Scene world = scenario->build({});
@@ -212,7 +211,7 @@ TEST_CASE("rollback: what is shown comes to the world, and never goes away from 
   CHECK(turned < turn / 140.0);
 }
 
-TEST_CASE("rollback: a late input that is what was predicted sets nothing back", "[rollback]") {
+TEST_CASE("rollback: a late input as predicted sets nothing back", "[rollback]") {
   // Nobody does anything in the first second.
   Company company(2, {});
   company.run(20, false);

@@ -182,7 +182,7 @@ TEST_CASE("piano: the way through the maze keeps clear of the walls", "[demos][a
   }
 }
 
-TEST_CASE("piano: what is left of the way goes round the walls", "[demos][analytic]") {
+TEST_CASE("piano: the remaining way goes round the walls", "[demos][analytic]") {
   // The edges of the S: 0.27, 0.285, 0.28, 0.285 and 0.27 m.
   const PianoPath path;
   CHECK(path.length() == Approx(1.39));
@@ -269,7 +269,7 @@ TEST_CASE("haptic device: a proxy that pumps takes no energy out of the hand", "
   CHECK(least(true) > -1e-3);  // the controller begins that much before nothing is left
 }
 
-TEST_CASE("piano: users who pull against each other across an ocean shake no device",
+TEST_CASE("piano: users pulling against each other across an ocean shake no device",
           "[demos][soak]") {
   const RunResult result = run_virtual(PianoScenario({.tug = true}), quiet(5, 20.0));
   for (std::size_t i = 0; i < 2; ++i) {

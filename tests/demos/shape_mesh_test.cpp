@@ -35,7 +35,7 @@ double enclosed(const ShapeMesh& mesh) {
   return sum;
 }
 
-TEST_CASE("shape mesh: what is drawn encloses the volume of the shape, seen from outside",
+TEST_CASE("shape mesh: the drawn mesh encloses the shape's volume and faces outwards",
           "[demos][analytic]") {
   const std::array<Vec3, 5> pyramid = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0),
                                        Vec3(0.5, 0.5, 3.0)};

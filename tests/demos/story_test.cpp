@@ -75,14 +75,14 @@ TEST_CASE("words: a length has the unit in which it is easily read", "[demos][un
   CHECK(length_words(123.4) == "123 m");
 }
 
-TEST_CASE("words: what is counted stands in the singular and in the plural", "[demos][unit]") {
+TEST_CASE("words: counts have the singular or the plural", "[demos][unit]") {
   CHECK(count_words(0, "ball") == "no balls");
   CHECK(count_words(1, "ball") == "one ball");
   CHECK(count_words(2, "person", "people") == "two people");
   CHECK(count_words(13, "ball") == "13 balls");
 }
 
-TEST_CASE("story: how far people and copies were apart, and what came of it", "[demos][unit]") {
+TEST_CASE("story: the link, the distances of copies, and the result", "[demos][unit]") {
   Report r = report(2, piano_outcome(true));
   r.options.profile = 5;
   CHECK(told(r).find("Two people, 123.5 ms apart, carried one piano through a maze in 12 s. Their\n"
@@ -91,7 +91,7 @@ TEST_CASE("story: how far people and copies were apart, and what came of it", "[
   CHECK(told(r).find("Two people, with no delay between them, carried") == 0);
 }
 
-TEST_CASE("story: who has no company, and who watches", "[demos][unit]") {
+TEST_CASE("story: people alone, and people that watch", "[demos][unit]") {
   const std::string alone = flat(told(report(1, piano_outcome(true))));
   CHECK_THAT(alone, Catch::Contains("Two people at one computer carried one piano"));
   CHECK_THAT(alone, Catch::Contains("There was one copy"));
@@ -161,8 +161,7 @@ TEST_CASE("story: colours where they are wanted alone", "[demos][unit]") {
   CHECK_FALSE(may_colour(file.get()));
 }
 
-TEST_CASE("story: every scene says what was achieved, and whether that was meant",
-          "[demos][unit]") {
+TEST_CASE("story: every scene tells its result and whether that was the aim", "[demos][unit]") {
   const Achievement rally =
       TennisScenario().achievement({{"served", 1.0}, {"longest_rally", 23.0}});
   CHECK(rally.text == "played table tennis with one ball, 23 strokes in a row at most");

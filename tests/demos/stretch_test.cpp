@@ -141,7 +141,7 @@ TEST_CASE("stretch: two hands share the weight, at one peer or at two", "[demos]
   }
 }
 
-TEST_CASE("stretch: a body dragged through a resisting medium trails by what resists it over k",
+TEST_CASE("stretch: a body dragged through a resisting medium trails by resistance / k",
           "[demos][analytic]") {
   const double speed = 0.8;  // m/s
   const double damping = 3.0;

@@ -49,7 +49,7 @@ TEST_CASE("trace: a file that was cut off anywhere is replayed as far as it goes
   CHECK(again.steps == 20);
 }
 
-TEST_CASE("trace: what is no trace is refused by offset and rule", "[demos][fault]") {
+TEST_CASE("trace: a file that is no trace is refused by offset and rule", "[demos][fault]") {
   const CubesScenario scenario(kSmall);
   const Bytes trace = traced_run(scenario, quiet(3, 0.2)).traces[0];
   const auto refusal = [](const Bytes& bytes) -> std::string {

@@ -74,7 +74,7 @@ TEST_CASE("tandem-replay: a demo over TCP that is killed leaves a trace that is 
   CHECK(tell(folder, {"--info", folder.file("a")}).text.find("cut off") != std::string::npos);
 }
 
-TEST_CASE("tandem-replay: what is no trace ends it with 2", "[demos][fault]") {
+TEST_CASE("tandem-replay: it ends with 2 for a file that is no trace", "[demos][fault]") {
   const Folder folder;
   CHECK(tell(folder, {folder.write("text", "no trace at all")}).code == 2);
   CHECK(tell(folder, {folder.file("missing")}).code == 2);

@@ -57,7 +57,7 @@ TEST_CASE("trace: a replay of every demo is bit-exact, in one pass and in two st
   }
 }
 
-TEST_CASE("trace: a replay is bit-exact with what else a transport may say", "[demos][golden]") {
+TEST_CASE("trace: a replay is bit-exact for all answers of a transport", "[demos][golden]") {
   const CubesScenario scenario(kSmall);
   DemoOptions options = quiet(4, 3.0);
   options.peers = 3;

@@ -62,8 +62,7 @@ double angle_between(const pbd::Quat& a, const pbd::Quat& b) {
   return pbd::rotation_between(a, b).norm();
 }
 
-TEST_CASE("frame: a page reads what was shown, to half a unit and 0.3 degrees",
-          "[demos][view][unit]") {
+TEST_CASE("frame: a page reads shown poses to half a unit and 0.3 degrees", "[demos][view][unit]") {
   Layout layout = layout_of(2, 19);
   layout.bodies[7].turns = false;
   FrameEncoder encoder(layout);
@@ -94,8 +93,7 @@ TEST_CASE("frame: a page reads what was shown, to half a unit and 0.3 degrees",
   }
 }
 
-TEST_CASE("frame: what has changed, on top of the frame before, is the whole frame",
-          "[demos][view][unit]") {
+TEST_CASE("frame: the frame before and the changes are the whole frame", "[demos][view][unit]") {
   const Layout layout = layout_of(2, 9);
   FrameEncoder encoder(layout);
   Random random(2);
@@ -194,7 +192,7 @@ TEST_CASE("frame: overlays come where they are asked for and known", "[demos][vi
   CHECK(seen.influence == std::vector<int>{0, 128, 255});
 }
 
-TEST_CASE("frame: what is too far, or nowhere, stays at the edge", "[demos][view][fault]") {
+TEST_CASE("frame: poses too far or not finite stay at the edge", "[demos][view][fault]") {
   const Layout layout = layout_of(1, 2);
   FrameEncoder encoder(layout);
   Frame frame;
@@ -211,7 +209,7 @@ TEST_CASE("frame: what is too far, or nowhere, stays at the edge", "[demos][view
   CHECK((page.panes[0].bodies[1].position - Vec3(-20, 20, -20)).norm() < 2.0 * kUnit);
 }
 
-TEST_CASE("hello: says what there is to draw and to choose", "[demos][view][unit]") {
+TEST_CASE("hello: it lists bodies to draw and choices", "[demos][view][unit]") {
   const CubesScenario scenario;
   const Scene scene = scenario.build({});
   const Layout layout = make_layout("cubes", scene, 20.0, {{1, 60.0, "tandem"}}, true);
@@ -272,7 +270,7 @@ bool is_refused(const std::string& text, const std::string& field, const std::st
   return text.starts_with(field + " must be ") && text.find(is) != std::string::npos;
 }
 
-TEST_CASE("command: what a page may say is understood", "[demos][view][unit]") {
+TEST_CASE("command: a page's valid commands are understood", "[demos][view][unit]") {
   const Layout layout = table();
   CommandReader reader(layout);
   const auto said = [&](const std::string& text) {
@@ -367,7 +365,7 @@ TEST_CASE("command: an invalid command is refused by name and changes nothing",
   CHECK(why(remote, grab("1", good)).empty());
 }
 
-TEST_CASE("command: whatever comes is understood or refused", "[demos][view][fuzz]") {
+TEST_CASE("command: any bytes are understood or refused", "[demos][view][fuzz]") {
   const std::array<std::string, 9> valid = {
       R"({"type":"grab","id":1,"pane":1,"body":3,"point":[1,-2.5,0]})",
       R"({"type":"move","id":1,"point":[0.5,0,1e-3]})",

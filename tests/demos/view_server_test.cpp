@@ -163,7 +163,7 @@ TEST_CASE(
   CHECK_FALSE(f.server.wants_overlays());
 }
 
-TEST_CASE("view server: a page that closes, or sends what is none, is gone",
+TEST_CASE("view server: a page that closes or breaks the protocol is gone",
           "[demos][view][socket]") {
   Fixture f;
   const std::array<std::function<void(WebClient&)>, 6> ways = {
@@ -262,7 +262,7 @@ TEST_CASE("view server: pages see every frame, or the newest whole", "[demos][vi
   CHECK(late.panes[0].bodies[7].position.x() == Approx(3.0).margin(1e-4));
 }
 
-TEST_CASE("view server: who comes when all have left sees what is there now, not what was then",
+TEST_CASE("view server: a page that comes after all have left sees the present state",
           "[demos][view][socket]") {
   Fixture f;
   auto first = f.page();

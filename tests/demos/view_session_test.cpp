@@ -77,7 +77,7 @@ TEST_CASE("live session: untouched, it is the run in virtual time, however it is
   }
 }
 
-TEST_CASE("live session: what is pulled in one pane follows in the other, then both agree",
+TEST_CASE("live session: a body pulled in one pane follows in the other, then both agree",
           "[demos][view][analytic]") {
   for (const int profile : {0, 3, 5}) {
     INFO("profile " << profile);
@@ -208,7 +208,7 @@ TEST_CASE("live session: paused, no time passes but by steps", "[demos][view][un
   CHECK(position(session, 0).z() > 0.1);
 }
 
-TEST_CASE("live session: a frame shows springs, contacts, beliefs and who is apart",
+TEST_CASE("live session: a frame shows springs, contacts, beliefs and divergence",
           "[demos][view][unit]") {
   const OneCube scenario;
   LiveSession session(scenario, options_of(3));
@@ -293,7 +293,7 @@ TEST_CASE("live session: a frame shows all peers at its own time, between their 
   CHECK(stepwise > 0.15);
 }
 
-TEST_CASE("live session: the run beside has the same users, whose hands do the same in both",
+TEST_CASE("live session: the run beside has the same users with the same hands",
           "[demos][view][golden]") {
   const CubesScenario scenario(
       CubesOptions{.stacks = 2, .height = 3, .plate = Vec3(0.8, 0.8, 0.04)});

@@ -47,7 +47,7 @@ TEST_CASE("virtual run: without a coupling is with no influence, bit for bit", "
   CHECK(a.peers[0].bodies_aggregated == 0);
 }
 
-TEST_CASE("virtual run: dated on receipt, it does not matter what clocks show", "[demos][golden]") {
+TEST_CASE("virtual run: clocks do not matter if states are dated on receipt", "[demos][golden]") {
   DemoOptions options = quiet(5, 6.0);
   options.timeline = Timeline::None;
   const Report together = run(options);
@@ -77,7 +77,7 @@ TEST_CASE("virtual run: a reference is the same inputs at one peer", "[demos][go
   CHECK(run_reference(scenario, options, alone).peers[0].hash == alone.peers[0].hash);
 }
 
-TEST_CASE("virtual run: what users did, done again, gives the same bits", "[demos][golden]") {
+TEST_CASE("virtual run: recorded inputs, repeated, give the same bits", "[demos][golden]") {
   const std::string path =
       (std::filesystem::temp_directory_path() / "tandem-virtual-runner-inputs").string();
   DemoOptions options = quiet(3, 4.0);

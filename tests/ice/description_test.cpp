@@ -11,7 +11,7 @@ namespace ice_description_test {
 
 using namespace tandem::ice;
 
-TEST_CASE("ice description: what is written is read again", "[ice]") {
+TEST_CASE("ice description: a written description reads back", "[ice]") {
   Description out;
   out.ufrag = "aB+/";
   out.password = "0123456789abcdefghijkl";
@@ -24,7 +24,7 @@ TEST_CASE("ice description: what is written is read again", "[ice]") {
   CHECK(in.candidates == out.candidates);
 }
 
-TEST_CASE("ice description: what comes from outside is checked", "[ice][fault]") {
+TEST_CASE("ice description: foreign descriptions are checked", "[ice][fault]") {
   const std::string good =
       "tandem-ice 1\nufrag abcd\npwd 0123456789abcdefghijkl\n"
       "candidate:1 1 UDP 1 10.0.0.1 4000 typ host\n";

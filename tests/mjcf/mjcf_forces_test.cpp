@@ -15,7 +15,7 @@ namespace {
 
 using namespace tandem;
 
-TEST_CASE("mjcf: frictionloss takes its share of a force, and holds what is below it", "[mjcf]") {
+TEST_CASE("mjcf: frictionloss takes its share of a force and holds smaller ones", "[mjcf]") {
   // 2 kg and 6 N along x; the classes say how much of it friction takes.
   const auto moved = [](const std::string& flag) {
     SceneFile file =
@@ -123,7 +123,7 @@ TEST_CASE("mjcf: rotors of what hangs on what never turns are as there", "[mjcf]
   CHECK(reference.turn(3).angularDistance(Quat(Eigen::AngleAxisd(0.7, Vec3::UnitX()))) > 0.3);
 }
 
-TEST_CASE("mjcf: what of joints is left out is told", "[mjcf]") {
+TEST_CASE("mjcf: omitted features of joints are told", "[mjcf]") {
   const std::string text =
       "<worldbody><body name='a'><joint name='f' type='free' frictionloss='1' armature='1'/>"
       "<geom size='.1'/></body><body pos='0 1 0'><joint name='b' type='ball' armature='1'/>"

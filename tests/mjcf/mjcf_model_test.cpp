@@ -273,7 +273,7 @@ TEST_CASE("mjcf: joints start at qpos0, at a keyframe, or as near as they may", 
         std::string::npos);
 }
 
-TEST_CASE("mjcf: what MuJoCo's schema does not know is left out, and told", "[mjcf]") {
+TEST_CASE("mjcf: elements unknown to MuJoCo's schema are left out and told", "[mjcf]") {
   const std::string text = R"(<mujoco><option><flag nativeccd="enable" gravity="disable"/></option>
     <worldbody><body name="a"><joint name="j" axis="0 1 0" actuatorfrcrange = '-1 1'
         range="-10 10" limited="true"/><geom name="actuatorfrcrange" size=".1"/>

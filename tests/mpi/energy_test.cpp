@@ -136,7 +136,7 @@ TEST_CASE("cluster: a gas that collapses keeps its momentum", "[mpi]") {
   }
 }
 
-TEST_CASE("cluster: the same gas without a bounce loses what it must", "[mpi]") {
+TEST_CASE("cluster: the same gas without a bounce loses energy", "[mpi]") {
   const Flight flight = fly({.spacing = 0.4, .inwards = 3.0, .restitution = 0.0, .seconds = 1.0});
   CHECK(flight.momentum < 1e-12);
   CHECK(flight.energy < 0.5);

@@ -10,7 +10,7 @@ namespace everyday_test {
 
 using namespace tandem::everyday;
 
-TEST_CASE("everyday: what any user builds behaves", "[everyday]") {
+TEST_CASE("everyday: ordinary users' scenes behave", "[everyday]") {
   for (const Group& group : all_groups()) {
     if (!group.quick) continue;
     for (const Line& line : run_group(group, Extent::Quick)) {

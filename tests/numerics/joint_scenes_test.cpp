@@ -44,7 +44,7 @@ TEST_CASE("joint scenes: are as large as they are said to be, and begin closed",
   CHECK_THROWS_AS(joint_scene("rein"), std::invalid_argument);
 }
 
-TEST_CASE("joint scenes: a doll weighs what Box3D's does, and left and right are alike",
+TEST_CASE("joint scenes: a doll has the mass of Box3D's, and left and right are alike",
           "[numerics][engines]") {
   const Scene scene = joint_scene("human");
   CHECK(scene.joints.size() == kDollJoints);

@@ -37,7 +37,7 @@ class Still final : public Engine {
 
 }  // namespace
 
-TEST_CASE("measure: boxes overlap by what they were moved into each other", "[measure]") {
+TEST_CASE("measure: boxes overlap by the depth that they were moved", "[measure]") {
   SceneRandom random;
   const Vec3 half_a(0.5, 0.3, 0.2);
   const Vec3 half_b(0.4, 0.2, 0.6);

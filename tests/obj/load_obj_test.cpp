@@ -113,7 +113,7 @@ TEST_CASE("load_obj: polygons keep their area and front, convex or not", "[obj]"
   CHECK(area(*disc) == Approx(20.0 * std::sin(std::numbers::pi / 20)).epsilon(1e-5));
 }
 
-TEST_CASE("load_obj: what is wrong is named with its line", "[obj][fault]") {
+TEST_CASE("load_obj: an error is named with its line", "[obj][fault]") {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   CHECK_THAT(refused(v), Contains("test.obj: faces must be") && Contains("is none"));
   CHECK_THAT(refused(""), Contains("faces must be") && Contains("is none"));

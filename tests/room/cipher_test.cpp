@@ -40,7 +40,7 @@ struct Pair {
   }
 };
 
-TEST_CASE("room cipher: what one seals the other opens, once") {
+TEST_CASE("room cipher: a sealed message opens once at the other end") {
   Pair pair;
   const Bytes bytes = pair.sealed();
   CHECK(std::search(bytes.begin(), bytes.end(), kText.begin(), kText.end()) == bytes.end());

@@ -12,7 +12,7 @@ namespace {
 const std::string kToken(32, 'a');
 const std::string kKey(43, 'A');
 
-TEST_CASE("room link: its parts, and what is wrong with it by name") {
+TEST_CASE("room link: its parts, and errors by name") {
   const Address address = read_address("http://127.0.0.1:80/" + kToken + "/?room=piano#" + kKey);
   CHECK(address.host == "127.0.0.1");
   CHECK(address.port == "80");
@@ -48,7 +48,7 @@ TEST_CASE("room scene: bodies as the file has them") {
   CHECK_THROWS_AS(RoomScene("no json"), std::invalid_argument);
 }
 
-TEST_CASE("room scene: members make what they may, and nothing else") {
+TEST_CASE("room scene: members make allowed bodies alone") {
   RoomScene room(kRoom);
   CHECK(room.make(
       R"({"name":"made/1","shape":{"type":"box","halfExtents":[0.1,0.1,0.1]},"position":[0,0,1]})"));

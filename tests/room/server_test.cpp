@@ -82,7 +82,7 @@ TEST_CASE("room server: it answers to the name that it has, and has the rooms th
   room.socket("cellar", 503);
 }
 
-TEST_CASE("room server: what one says goes to whom it names, with the name that he joined by") {
+TEST_CASE("room server: a message goes to the named members, with its sender's name") {
   Fixture room;
   auto a = room.member(1);
   auto b = room.member(2);
@@ -104,7 +104,7 @@ TEST_CASE("room server: what one says goes to whom it names, with the name that 
   CHECK(elsewhere->hear()->bytes.substr(0, 9) == said(Wire::Time, 1));  // and nothing before it
 }
 
-TEST_CASE("room server: who says what he must not is cut off, the others go on") {
+TEST_CASE("room server: a member that breaks a rule is cut off, the others go on") {
   Fixture room;
   auto a = room.member(1);
   const std::vector<std::string> bad = {
@@ -165,7 +165,7 @@ TEST_CASE("room server: a flood ends its sender, and nobody else") {
   CHECK(room.server.counters().relayed < 1000);
 }
 
-TEST_CASE("room server: a member that does not read loses what is newest, and then his place") {
+TEST_CASE("room server: a member that does not read loses Newest messages, then its place") {
   ServerOptions options;
   options.member.messages_per_s = 1e6;
   options.member.bytes_per_s = 1e9;

@@ -67,7 +67,7 @@ TEST_CASE("body change: a lighter body falls slower", "[scene][change]") {
               "finite"));
 }
 
-TEST_CASE("body change: who loses its ground falls; data of colliders change while they live",
+TEST_CASE("body change: a body without its ground falls; live colliders' data change",
           "[scene][change]") {
   Scene scene;
   const BodyId ground = scene.add(HalfSpace{}, {.type = BodyType::Static});

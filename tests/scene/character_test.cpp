@@ -181,7 +181,7 @@ TEST_CASE("character: platforms carry it, however they move", "[character]") {
   CHECK(drift < 1e-3);
 }
 
-TEST_CASE("character: a wall of what carries it does not stop it", "[character]") {
+TEST_CASE("character: a wall of its support does not stop it", "[character]") {
   Scene scene;
   std::vector<collision::CompoundPart> parts(2);
   parts[0].shape = Box{3.0, 1.0, 0.1};

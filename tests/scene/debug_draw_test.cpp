@@ -39,7 +39,7 @@ Lines drawn(Scene& scene, const DebugDrawOptions& options = {}) {
   return lines;
 }
 
-TEST_CASE("debug draw: a box that rests, with its contacts and what they bear", "[scene][draw]") {
+TEST_CASE("debug draw: a resting box, with its contacts and their loads", "[scene][draw]") {
   Scene scene;
   scene.add(HalfSpace{}, {.type = BodyType::Static});
   const BodyId box =
@@ -126,7 +126,7 @@ TEST_CASE("debug draw: round shapes lie on their surfaces", "[scene][draw]") {
   }
 }
 
-TEST_CASE("debug draw: joints between bodies, and what agreement moved", "[scene][draw]") {
+TEST_CASE("debug draw: joints between bodies, and agreement's corrections", "[scene][draw]") {
   Scene scene({.gravity = Vec3::Zero()});
   const BodyId a = scene.add(Sphere{0.1}, {.pose = {.position = {0.0, 0.0, 1.0}}});
   const BodyId b = scene.add(Sphere{0.1}, {.pose = {.position = {0.0, 2.0, 1.0}}});

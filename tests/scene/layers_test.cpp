@@ -30,7 +30,7 @@ TEST_CASE("layers: layers that ignore each other do not meet, all others do", "[
   CHECK_FALSE(collision::may_meet({}, layers["players"]));
 }
 
-TEST_CASE("layers: errors name what is no layer, and those that are", "[scene][layers]") {
+TEST_CASE("layers: errors name the unknown layer and the known ones", "[scene][layers]") {
   collision::Layers layers{"room", "debris"};
   CHECK(names(refusal([&] { layers["debri"]; }), "Layers: name", "\"debri\"", "room, debris"));
   CHECK(names(refusal([&] { layers.ignore("room", "x"); }), "name", "\"x\"", "room, debris"));

@@ -19,8 +19,7 @@ using tandem::testing::refusal;
 
 constexpr double kStep = 1.0 / 60.0;
 
-TEST_CASE("ragdoll: weighs what it should and is as tall, and so is one of another size",
-          "[scene][analytic]") {
+TEST_CASE("ragdoll: mass and height are as asked, at other sizes too", "[scene][analytic]") {
   for (const double height : {1.75, 1.1}) {
     Scene scene;
     const Ragdoll doll(scene, {.height = height, .mass = 40.0 * height});
@@ -99,7 +98,7 @@ struct WhereTheyLay final : pbd::TargetSource {
   std::vector<pbd::PoseTarget> targets;
 };
 
-TEST_CASE("ragdoll: lies as still with others who say that it lies there as without",
+TEST_CASE("ragdoll: it lies as still with agreeing peers as without",
           "[scene][consensus][regression]") {
   // Joints must not take back with velocity what contacts have left of them: limbs on the ground
   // trembled by up to 0.09 m/s.

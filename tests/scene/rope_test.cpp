@@ -104,7 +104,7 @@ TEST_CASE("rope: a light one holds a crate of a thousand times its mass", "[scen
   CHECK(scene.pose(crate).position.z() == Approx(1.8 - 0.5 * 9.81 * 0.25).margin(0.05));
 }
 
-TEST_CASE("rope: what it ties together keeps its momentum, and one pulls the other along",
+TEST_CASE("rope: two tied bodies keep their momentum, and one pulls the other along",
           "[scene][invariant]") {
   Scene scene({.gravity = Vec3::Zero()});
   const BodyId fast = scene.add(Box{0.1, 0.1, 0.1}, {.mass = 2.0,
@@ -168,8 +168,7 @@ TEST_CASE("rope: a heavy load swings on a light one as on a rod, at any number o
   }
 }
 
-TEST_CASE("rope: one that a ball hits gains next to no energy, whatever their masses",
-          "[scene][invariant]") {
+TEST_CASE("rope: a rope hit by a ball of any mass gains next to no energy", "[scene][invariant]") {
   pbd::SplitMix64 random(7);
   for (int draw = 0; draw < 60; ++draw) {
     const int particles = 7 + 2 * static_cast<int>(random.uniform(0.0, 30.0));

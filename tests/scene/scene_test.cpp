@@ -85,8 +85,7 @@ TEST_CASE("scene: the same bits as its parts put together by hand", "[scene][det
   CHECK(same);
 }
 
-TEST_CASE("scene: goes on where it was moved to, whatever becomes of the rest",
-          "[scene][lifetime]") {
+TEST_CASE("scene: a moved scene goes on after the old object is gone", "[scene][lifetime]") {
   Scene still = built();
   auto from = std::make_unique<Scene>(built());
   for (int i = 0; i < 10; ++i) {
@@ -163,7 +162,7 @@ TEST_CASE("scene: a restored body has its own centre, even if its slot was reuse
   CHECK(scene.world().pose(cone).position.z() == Approx(-0.2));
 }
 
-TEST_CASE("scene: a dumbbell weighs what its parts do", "[scene][analytic]") {
+TEST_CASE("scene: a dumbbell has the mass of its parts", "[scene][analytic]") {
   Scene scene;
   const std::vector<collision::CompoundPart> parts{
       {.shape = Sphere{0.1}, .local = {.position = Vec3(0.0, 0.0, 0.0)}, .density = 3000.0},
@@ -249,8 +248,7 @@ TEST_CASE("scene: events begin once, whenever they are first asked for", "[scene
   }
 }
 
-TEST_CASE("scene: who has a group that it gave does not meet the others of that group",
-          "[scene][unit]") {
+TEST_CASE("scene: bodies of one group from new_group() do not touch", "[scene][unit]") {
   Scene scene;
   const std::int32_t mine = scene.new_group(), other = scene.new_group();
   CHECK(mine < 0);
@@ -347,7 +345,7 @@ TEST_CASE("scene: queries see bodies at their present places, however they were 
 }
 
 // Each of n characters would look at all m colliders in each frame, 300 000 for 100 among 3000.
-TEST_CASE("scene: who walks, pushes or sets speeds gives queries nothing to look at again",
+TEST_CASE("scene: walking, pushing and setting speeds cause no new work for queries",
           "[scene][queries]") {
   Scene scene;
   scene.add(HalfSpace{}, {.type = BodyType::Static});
@@ -367,7 +365,7 @@ TEST_CASE("scene: who walks, pushes or sets speeds gives queries nothing to look
   CHECK(world.placements() != placements);
 }
 
-TEST_CASE("scene: a door's angle is what its motor was told", "[scene][joints]") {
+TEST_CASE("scene: a door's angle is its motor's target", "[scene][joints]") {
   Scene scene({.gravity = Vec3::Zero()});
   const BodyId door = scene.add(Box{0.5, 0.02, 1.0}, {.pose = {.position = Vec3(0.5, 0.0, 1.0)}});
   CHECK(scene.world().blocks().size() == 1);  // contacts: joints are made when they are asked for

@@ -163,7 +163,7 @@ BodyId add_rider(Scene& scene, const Rider& rider, double speed, double phase, b
 
 }  // namespace
 
-TEST_CASE("seams: what slides or rolls over the seams of any tiles goes on as on one plane",
+TEST_CASE("seams: bodies slide and roll over seams of any tiles as on one plane",
           "[scene][invariant]") {
   SplitMix64 random(71);
   int caught = 0;  // cones whose rim meets the side of a tile: three of 600
@@ -218,7 +218,7 @@ TEST_CASE("seams: a belt or a lift of tiles is one belt or lift", "[scene][invar
   }
 }
 
-TEST_CASE("seams: planks side by side neither catch nor drive what slides across them",
+TEST_CASE("seams: planks side by side neither catch nor drive sliding bodies",
           "[scene][invariant]") {
   SplitMix64 random(77);
   for (int i = 0; i < 40; ++i) {
@@ -256,8 +256,7 @@ TEST_CASE("seams: planks side by side neither catch nor drive what slides across
   }
 }
 
-TEST_CASE("seams: what goes slowly falls through no seam between the looks at its contacts",
-          "[scene][invariant]") {
+TEST_CASE("seams: a slow body falls through no seam between two detections", "[scene][invariant]") {
   SplitMix64 random(76);
   for (int i = 0; i < 600; ++i) {
     const double r = 0.05 * std::pow(10.0, random.unit());
@@ -276,7 +275,7 @@ TEST_CASE("seams: what goes slowly falls through no seam between the looks at it
   }
 }
 
-TEST_CASE("seams: friction stops what slides over tiles where it stops it on one plane",
+TEST_CASE("seams: friction stops a body on tiles at the same place as on one plane",
           "[scene][invariant]") {
   SplitMix64 random(72);
   const Material material{.friction = 0.5};
@@ -304,7 +303,7 @@ TEST_CASE("seams: friction stops what slides over tiles where it stops it on one
   }
 }
 
-TEST_CASE("seams: what stands out of a floor still stops what comes", "[scene][invariant]") {
+TEST_CASE("seams: obstacles on a floor still stop bodies", "[scene][invariant]") {
   SplitMix64 random(73);
   for (int i = 0; i < 60; ++i) {
     const Rider rider = draw_rider(random);
@@ -329,8 +328,7 @@ TEST_CASE("seams: what stands out of a floor still stops what comes", "[scene][i
   }
 }
 
-TEST_CASE("seams: what passes by an edge, however near, is not thrown off it",
-          "[scene][invariant]") {
+TEST_CASE("seams: a body that passes near an edge is not deflected", "[scene][invariant]") {
   SplitMix64 random(74);
   SceneOptions options;
   options.gravity.setZero();
@@ -358,7 +356,7 @@ TEST_CASE("seams: what passes by an edge, however near, is not thrown off it",
   }
 }
 
-TEST_CASE("seams: what glides over a crest of a mesh without touching it goes on as it was",
+TEST_CASE("seams: a body that glides over a mesh's crest without contact goes straight on",
           "[scene][invariant]") {
   SplitMix64 random(83);
   SceneOptions options;

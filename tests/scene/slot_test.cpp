@@ -124,7 +124,8 @@ TEST_CASE("slot: manifolds of removed bodies, with NaN, or of no shape are left 
   CHECK(world.state(a).pose.position.allFinite());
 }
 
-TEST_CASE("slot: what was displaced before a body came says nothing of it", "[scene][change]") {
+TEST_CASE("slot: an earlier displacement does not count for a body added later",
+          "[scene][change]") {
   pbd::World world;
   world.add_block<pbd::JointBlock>();
   const BodyId body = world.add_body({.mass = 1.0});

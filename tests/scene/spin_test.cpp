@@ -206,7 +206,7 @@ TEST_CASE("spin: a ball in a bowl of facets swings no higher than it began", "[s
   }
 }
 
-TEST_CASE("spin: whatever swings in a channel of facets swings no higher than it began",
+TEST_CASE("spin: a body swinging in a channel of facets rises no higher than its start",
           "[scene][invariant][long]") {
   std::mt19937_64 random(29);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

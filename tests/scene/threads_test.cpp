@@ -123,7 +123,7 @@ class Day {
 
 }  // namespace
 
-TEST_CASE("threads: whatever is in a scene, its bits are those of one thread", "[scene][unit]") {
+TEST_CASE("threads: any scene has the bits of one thread", "[scene][unit]") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     std::vector<std::uint64_t> expected;
     for (const int threads : {1, 2, 3, 8}) {

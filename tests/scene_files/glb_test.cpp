@@ -77,7 +77,7 @@ TEST_CASE("glb: buffers come from the container, and files may stand beside it",
   check(parse_gltf(container(chunk("JSON", apart, ' ')), folder.file("")));
 }
 
-TEST_CASE("glb: lengths that are not those of what is there are refused", "[gltf][errors]") {
+TEST_CASE("glb: lengths that differ from the content's are refused", "[gltf][errors]") {
   const auto with = [](std::size_t at, std::uint32_t value) {
     std::string bytes = good();
     bytes.replace(at, 4, number(value));
@@ -104,7 +104,7 @@ TEST_CASE("glb: lengths that are not those of what is there are refused", "[gltf
               "/bufferViews/", "{...}", "within its buffer"));
 }
 
-TEST_CASE("glb: whatever is changed in its bytes, it is read or refused", "[gltf][errors]") {
+TEST_CASE("glb: any changed bytes are read or refused", "[gltf][errors]") {
   pbd::SplitMix64 random(11);
   int refused = 0;
   for (int i = 0; i < 4000; ++i) {

@@ -99,7 +99,7 @@ TEST_CASE("gltf: physics by OMI's extensions loads", "[gltf]") {
               "/motion/type"));
 }
 
-TEST_CASE("gltf: what a file requires is read, or the file is refused", "[gltf][errors]") {
+TEST_CASE("gltf: a file with unknown required extensions is refused", "[gltf][errors]") {
   const std::string told =
       refusal([] { parse(R"("extensionsRequired": ["KHR_draco_mesh_compression"])"); });
   CHECK(told.find("/extensionsRequired/0") != std::string::npos);

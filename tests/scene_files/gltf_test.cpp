@@ -266,7 +266,7 @@ TEST_CASE("gltf: buffers are files beside it, and nothing else", "[gltf][errors]
               "{...}", "within its buffer"));
 }
 
-TEST_CASE("gltf: whatever is changed in a text, it is read or refused", "[gltf][errors]") {
+TEST_CASE("gltf: any changed text is read or refused", "[gltf][errors]") {
   const std::string good = embedded();
   pbd::SplitMix64 random(5);
   const std::string with = "0123456789-.eE\"[]{},: xabc\n";
@@ -331,7 +331,7 @@ TEST_CASE("gltf: equal meshes are one shape", "[gltf]") {
   CHECK(single[700]->bounds().min.x() == Approx(0.7));
 }
 
-TEST_CASE("gltf: what is made of a file is in proportion to it", "[gltf][errors]") {
+TEST_CASE("gltf: the work is in proportion to the file", "[gltf][errors]") {
   const tandem::testing::Folder folder;
   constexpr int kTriangles = 3000;
   folder.write("mesh.bin", apart(kTriangles));

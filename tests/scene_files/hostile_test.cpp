@@ -104,8 +104,7 @@ TEST_CASE("scene files: files that are none are told", "[scene_files][errors]") 
   }
 }
 
-TEST_CASE("scene files: whatever is changed in a text, it is read or refused",
-          "[scene_files][errors]") {
+TEST_CASE("scene files: any changed text is read or refused", "[scene_files][errors]") {
   const std::string good = R"({"layers": {"names": ["x", "y"], "ignore": [["x", "y"]]}, "bodies": [
  {"name": "a", "layer": "x", "shape": {"type": "box", "halfExtents": [1, 1, 1]}, "mass": 2, "parts": [
    {"shape": {"type": "cone", "radius": 1, "halfHeight": 1}}]},

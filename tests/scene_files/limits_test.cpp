@@ -109,7 +109,7 @@ TEST_CASE("scene limits: each is kept to the last one, and named", "[scene_files
   }
 }
 
-TEST_CASE("scene limits: what would take seconds to step is refused by the defaults",
+TEST_CASE("scene limits: the defaults refuse scenes that take seconds a step",
           "[scene_files][errors]") {
   const std::string rule = "SceneLimits::pairs";
   CHECK(names(refusal([&] { parse_scene(balls(1500, 0.0)); }), "scene", "131072", rule));

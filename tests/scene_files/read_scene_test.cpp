@@ -43,8 +43,7 @@ TEST_CASE("scene files: a rod on a hinge swings in the time that the formula say
   CHECK((last - first) / (turns - 1) == Approx(period).epsilon(2e-3));
 }
 
-TEST_CASE("scene files: an arm stays where it is within its limits, by whatever turn",
-          "[scene_files]") {
+TEST_CASE("scene files: an arm stays in place within its limits, at any turn", "[scene_files]") {
   struct Case {
     double lower, upper, at;  // degrees
   };
@@ -73,7 +72,7 @@ TEST_CASE("scene files: an arm stays where it is within its limits, by whatever 
   }
 }
 
-TEST_CASE("scene files: what has layers, parts and compounds rests and falls as it should",
+TEST_CASE("scene files: bodies with layers, parts and compounds rest and fall correctly",
           "[scene_files]") {
   SceneFile file = parse_scene(R"({
     "layers": {"names": ["room", "ghost"], "ignore": [["ghost", "room"]]},
@@ -117,7 +116,7 @@ TEST_CASE("scene files: the files of rooms are scenes", "[scene_files]") {
   }
 }
 
-TEST_CASE("scene files: what is not known is told", "[scene_files]") {
+TEST_CASE("scene files: unknown members are told", "[scene_files]") {
   const SceneFile file =
       parse_scene(R"({"bodies": [{"shape": {"type": "sphere", "radius": 1, "hue/~": 3},
     "colour": "#fff", "frction": 0.2}], "lights": []})");

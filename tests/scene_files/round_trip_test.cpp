@@ -126,7 +126,7 @@ Scene heap() {
   return scene;
 }
 
-TEST_CASE("scene files: what is written is read as the same bits of motion",
+TEST_CASE("scene files: a written scene reads back with the same bits of motion",
           "[scene_files][determinism]") {
   Scene made = heap();
   const std::string text = write_scene(made);
@@ -205,7 +205,7 @@ TEST_CASE("scene files: names are written and read", "[scene_files]") {
   CHECK(names(refusal([&] { write_scene(file); }), "names", "", "UTF-8"));
 }
 
-TEST_CASE("scene files: who was loaded meets who is made after that", "[scene_files]") {
+TEST_CASE("scene files: loaded bodies touch bodies made later", "[scene_files]") {
   Scene before({.gravity = Vec3::Zero()});
   Ragdoll(before, {});
   SceneFile file = parse_scene(write_scene(before), {.gravity = Vec3::Zero()});

@@ -85,7 +85,7 @@ TEST_CASE("session: two peers agree on a body that one of them drags", "[session
   CHECK((far.position() - hand).norm() < 1e-2);
 }
 
-TEST_CASE("session: what one of three kicks flies at all of them", "[session]") {
+TEST_CASE("session: a body kicked at one of three peers flies at all of them", "[session]") {
   Fixture f;
   Room rooms[3] = {Room(0.0), Room(0.0), Room(0.0)};
   std::vector<std::unique_ptr<Session>> sessions;
@@ -249,7 +249,7 @@ TEST_CASE("session: a ragdoll is shared by one call, as a whole or not at all", 
   }
 }
 
-TEST_CASE("session: who goes lets go at once", "[session]") {
+TEST_CASE("session: a leaving member lets go at once", "[session]") {
   Fixture f;
   Room near(0.0);
   Room far(0.0);
@@ -294,7 +294,7 @@ TEST_CASE("session: runs by any clock until it is stopped", "[session]") {
   CHECK(called == 6);
 }
 
-TEST_CASE("session: what a call before a step throws passes, and the session goes on",
+TEST_CASE("session: an exception of a call before a step passes, and the session goes on",
           "[session]") {
   Fixture f;
   Room room(0.0);

@@ -201,7 +201,7 @@ Site& add_honest(Table& table) {
   site.share("cube", Box{0.05, 0.05, 0.05}, {.pose = {.position = Vec3(0.0, 0.0, 0.05)}});
   return site;
 }
-TEST_CASE("settlement: what rolls is not stopped by one who says that it lies far away",
+TEST_CASE("settlement: a rolling ball is not stopped by a peer with it at rest far away",
           "[session]") {
   const auto rolled = [](bool lied) {
     Table table({.latency = 0.03}, 1);
@@ -234,7 +234,7 @@ void add_walls(Site& site) {
   }
 }
 
-TEST_CASE("settlement: one who lies is not elected by two who do not", "[session]") {
+TEST_CASE("settlement: two honest peers do not elect a liar", "[session]") {
   Table table({.latency = 0.03}, 1);
   add_liar(table, 1.0);  // has the lowest id
   for (int i = 0; i < 2; ++i) add_walls(add_honest(table));

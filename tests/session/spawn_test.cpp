@@ -80,7 +80,7 @@ struct Fixture {
   consensus::VirtualNetwork network;
 };
 
-TEST_CASE("spawn: what one makes is everybody's, until anybody removes it", "[session]") {
+TEST_CASE("spawn: a body made by one member is at all until any member removes it", "[session]") {
   Fixture f(3);
   Member one(f.transport(1)), two(f.transport(2)), three(f.transport(3));
   const std::vector<Member*> all = {&one, &two, &three};
@@ -148,7 +148,7 @@ TEST_CASE("spawn: a newcomer has all there is where it is now, and nothing that 
   for (Member* const member : {&one, &two, &three}) CHECK(member->session.spawns_refused() == 0);
 }
 
-TEST_CASE("spawn: halves that come together have what either has, less what either removed",
+TEST_CASE("spawn: halves that meet have the bodies of both, without those removed in either",
           "[session][fault]") {
   Fixture f(2);
   Member one(f.transport(1)), two(f.transport(2));
@@ -233,7 +233,7 @@ TEST_CASE("spawn: members that are cut off, leave and start again end with the s
   }
 }
 
-TEST_CASE("spawn: what cannot be is said, and nothing of it is left", "[session][fault]") {
+TEST_CASE("spawn: an invalid spawn is refused and leaves nothing", "[session][fault]") {
   Fixture f(3);
   Member one(f.transport(1), {.max_of_one = 3});
   Session& session = one.session;
@@ -333,7 +333,7 @@ TEST_CASE("spawn: a member that floods gets its share of bodies at most", "[sess
   CHECK(one.has(next));
 }
 
-TEST_CASE("spawn: what a function throws loses nothing else that has come", "[session][fault]") {
+TEST_CASE("spawn: an exception of a function loses no other spawn", "[session][fault]") {
   Fixture f(3);
   Member one(f.transport(1)), two(f.transport(2));
   bool fails = true;
@@ -384,7 +384,7 @@ TEST_CASE("spawn: a step is no place for another one", "[session][fault]") {
   CHECK(two.joined == std::vector<PeerId>{1});
 }
 
-TEST_CASE("spawn: a body whose removal came first is gone at its maker too", "[session][fault]") {
+TEST_CASE("spawn: a body removed before it arrives is gone at its maker too", "[session][fault]") {
   Fixture f(3);
   Member one(f.transport(1)), two(f.transport(2));
   pbd::World world{testing::weightless()};

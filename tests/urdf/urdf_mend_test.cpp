@@ -88,7 +88,7 @@ TEST_CASE("urdf: links on fixed joints are one body with the inertia of all", "[
         std::string::npos);
 }
 
-TEST_CASE("urdf: what is fixed to the world is static, each link for itself", "[urdf]") {
+TEST_CASE("urdf: links fixed to the world are static, each a body of its own", "[urdf]") {
   const std::string text = std::string("<robot name='r'>") + link("world") +
                            link("stand", inertial(0.0, "ixx='0' iyy='0' izz='0'")) +
                            joint("f", "fixed", "world", "stand", "<origin xyz='1 0 0'/>") +
@@ -132,14 +132,14 @@ TEST_CASE("urdf: an inertia that no body can have becomes the nearest one", "[ur
         }).find("link arm: mass") != std::string::npos);
 }
 
-TEST_CASE("urdf: what moves by itself and has no mass has a tip's", "[urdf]") {
+TEST_CASE("urdf: a link without mass that moves by itself has a tip's mass", "[urdf]") {
   const std::string text = arm(inertial(0.0, "ixx='0' iyy='0' izz='0'"));
   const SceneFile file = parse_urdf(text, {.tip_mass = 0.5, .tip_radius = 0.1});
   CHECK(file.scene.world().props(file.find("arm")).mass == 0.5);
   CHECK(count_told(file, "link arm: mass 0 of what moves by itself") == 1);
 }
 
-TEST_CASE("urdf: what is true of many links is told once", "[urdf]") {
+TEST_CASE("urdf: a warning about many links is told once", "[urdf]") {
   std::string text = std::string("<robot name='r'>") + link("l0");
   for (int i = 1; i < 20; ++i) {
     const std::string number = std::to_string(i);
@@ -173,7 +173,7 @@ std::string leg() {
          "</robot>";
 }
 
-TEST_CASE("urdf: what is outside its limits at zero starts within, at rest", "[urdf]") {
+TEST_CASE("urdf: a joint outside its limits at zero starts within, at rest", "[urdf]") {
   SceneFile file = parse_urdf(leg());
   const auto angle = [&](SceneFile& of, const char* name) {
     return of.scene.joints().hinge_angle(of.find_joint(name));

@@ -186,7 +186,7 @@ TEST_CASE("urdf mesh: nothing is opened that is not below a folder that was name
         }).find("link l: mesh") != std::string::npos);
 }
 
-TEST_CASE("urdf mesh: what is wrong with a file is named with it", "[urdf][errors]") {
+TEST_CASE("urdf mesh: an error names the file", "[urdf][errors]") {
   const Folder folder;
   UrdfOptions options{.packages = {{"r", folder.file("")}}};
   const auto said = [&](const std::string& bytes, const std::string& scale = "1 1 1") {
@@ -228,7 +228,7 @@ TEST_CASE("urdf mesh: what is wrong with a file is named with it", "[urdf][error
   CHECK(said(good).empty());
 }
 
-TEST_CASE("urdf mesh: whatever the bytes are, it loads or is refused", "[urdf][errors][random]") {
+TEST_CASE("urdf mesh: any bytes load or are refused", "[urdf][errors][random]") {
   pbd::SplitMix64 random(8);
   const Folder folder;
   const UrdfOptions options{.packages = {{"r", folder.file("")}}};

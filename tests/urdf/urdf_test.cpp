@@ -95,7 +95,7 @@ TEST_CASE("urdf: a joint starts on the turn within its limits, or at the nearest
   }
 }
 
-TEST_CASE("urdf: dry friction of a joint takes its share of a force, and holds what is below it",
+TEST_CASE("urdf: dry friction of a joint takes its share of a force, and holds smaller ones",
           "[urdf]") {
   // 2 kg on lifts, and an arm that a push turns by its energy over the friction.
   const auto lift = [](const std::string& name, const std::string& friction) {
@@ -125,7 +125,7 @@ TEST_CASE("urdf: dry friction of a joint takes its share of a force, and holds w
         }).find("joint jone: ") != std::string::npos);
 }
 
-TEST_CASE("urdf: what Tandem has not is told", "[urdf]") {
+TEST_CASE("urdf: features that Tandem lacks are told", "[urdf]") {
   const SceneFile file = parse_urdf(kArm);
   const auto told = [&](const char* what) {
     for (const std::string& warning : file.warnings) {
