@@ -70,10 +70,8 @@ TEST_CASE("summary: a receiver comes to the same target by one fused state as by
   }
 }
 
-TEST_CASE(
-    "summary: leaders count alone, owners own, and what is not of one body and time is "
-    "refused",
-    "[consensus]") {
+TEST_CASE("summary: leaders count alone, owners own, mixed bodies or times are refused",
+          "[consensus]") {
   pbd::SplitMix64 dice(5);
   std::vector<StateUpdate> all{state(dice, 0.1), state(dice, 0.1), state(dice, 0.1)};
   CHECK_FALSE(fuse(std::span<const StateUpdate>()).has_value());

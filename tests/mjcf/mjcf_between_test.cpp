@@ -107,7 +107,7 @@ TEST_CASE("mjcf: hinges of a body start at a keyframe, each in its place", "[mjc
   CHECK(place[3] == Approx(0.5).margin(1e-9));
 }
 
-TEST_CASE("mjcf: what stands between takes nothing from the weight", "[mjcf]") {
+TEST_CASE("mjcf: intermediate bodies take nothing from the weight", "[mjcf]") {
   SceneFile file = parse_mjcf(Humanoid("damping='0'", "<freejoint/>", "", "", 1.4).text);
   Mujoco reference(Humanoid("damping='0'", "<freejoint/>", "", "", 1.4).text, 1e-3);
   double weighing = 0.0;

@@ -93,7 +93,7 @@ TEST_CASE("mjcf: a ball has friction about each of its own axes, damping, and a 
   CHECK(sprung.file.warnings.empty());
 }
 
-TEST_CASE("mjcf: rotors of what hangs on what never turns are as there", "[mjcf]") {
+TEST_CASE("mjcf: rotors of joints on bodies that never turn act as in MuJoCo", "[mjcf]") {
   // Of 2 kg that fall with a rotor of 3 kg.
   SceneFile lift = world(
       "<body name='lift'><joint type='slide' axis='0 0 1' armature='3'/>"

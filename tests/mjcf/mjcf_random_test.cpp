@@ -92,8 +92,7 @@ TEST_CASE("mjcf: random trees fall as MuJoCo's do", "[mjcf]") {
   CHECK(coarse <= 2);
 }
 
-TEST_CASE("mjcf: so do those with several hinges to a body, but for what stands between",
-          "[mjcf]") {
+TEST_CASE("mjcf: random trees with several hinges to a body fall like MuJoCo's", "[mjcf]") {
   constexpr double kDegree = std::numbers::pi / 180.0;
   int off_by_one = 0;
   int off_by_five = 0;

@@ -110,7 +110,7 @@ TEST_CASE(
   pair.check_all_once();
 }
 
-TEST_CASE("nats: who is near goes on by UDP while there is no server", "[nats][fault]") {
+TEST_CASE("nats: near peers go on by UDP while there is no server", "[nats][fault]") {
   if (!has_server()) return;
   Neighbours pair;
   REQUIRE(eventually([&] {
@@ -129,9 +129,8 @@ TEST_CASE("nats: who is near goes on by UDP while there is no server", "[nats][f
   CHECK(linked(*pair.a, *pair.b));
 }
 
-TEST_CASE(
-    "nats: what strangers send to the UDP port is counted and dropped, and nobody else suffers",
-    "[nats][fault]") {
+TEST_CASE("nats: strangers' packets to the UDP port are counted, dropped and harm no other",
+          "[nats][fault]") {
   if (!has_server()) return;
   Neighbours pair;
   REQUIRE(eventually([&] {
@@ -159,7 +158,7 @@ TEST_CASE(
   pair.check_all_once();
 }
 
-TEST_CASE("nats: of those who are near the nearest alone are spoken to by UDP", "[nats]") {
+TEST_CASE("nats: only the nearest of the near peers use UDP", "[nats]") {
   if (!has_server()) return;
   Server server;
   NatsOptions one = direct_options(server.port(), 1);
@@ -200,7 +199,7 @@ TEST_CASE("nats: an end without UDP is spoken to over the server", "[nats]") {
   CHECK(number_of(packets.front()) == 5);
 }
 
-TEST_CASE("nats: what cannot be of a way by UDP is refused by name", "[nats][fault]") {
+TEST_CASE("nats: invalid options of UDP are refused by name", "[nats][fault]") {
   NatsOptions options = direct_options(4222, 1);
   options.server.direct->listen_address = "nowhere";
   CHECK(names(refusal([&] { options.validate(); }), "listen_address", "nowhere", "numeric"));

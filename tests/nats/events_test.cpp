@@ -69,7 +69,7 @@ TEST_CASE("events in cells: events not taken yet wait at the server, and none is
   CHECK(heard == expected);
 }
 
-TEST_CASE("events in cells: those within reach hear each once and in order, who comes later too",
+TEST_CASE("events in cells: peers within reach, later ones too, hear each once and in order",
           "[nats]") {
   if (!has_server()) return;
   Server server;
@@ -108,10 +108,8 @@ TEST_CASE("events in cells: those within reach hear each once and in order, who 
   CHECK(later == expected);
 }
 
-TEST_CASE(
-    "events in cells: none is lost and none comes twice, though the server is stopped, killed "
-    "and loses what it had acknowledged",
-    "[nats][fault]") {
+TEST_CASE("events in cells: none is lost or doubled though a killed server loses records",
+          "[nats][fault]") {
   if (!has_server()) return;
   Server server;
   std::vector<std::unique_ptr<CellEvents>> all;
@@ -165,10 +163,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE(
-    "events in cells: what strangers send, and what was said of another cell, is counted and "
-    "dropped",
-    "[nats][fault]") {
+TEST_CASE("events in cells: strangers' and other cells' messages are counted and dropped",
+          "[nats][fault]") {
   if (!has_server()) return;
   Server server;
   CellEvents near(event_options(server.port(), 1));

@@ -139,7 +139,7 @@ TEST_CASE("group seal: a new listener opens no earlier messages", "[nats][fault]
   CHECK(listener.hear(sender.say(own, listener.now + 1), own) == Now);
 }
 
-TEST_CASE("group seal: whose clock is wrong is heard once he is connected, and then each time once",
+TEST_CASE("group seal: a member with a wrong clock is heard once connected, each time once",
           "[nats][fault]") {
   const net::Credentials own = member(1);
   const std::int64_t wrong = GENERATE(-3600, -10, 10, 86400) * kSecond;
@@ -200,7 +200,7 @@ TEST_CASE("group seal: a former session key makes nothing believed", "[nats][fau
   CHECK(listener.hear(anybody.say(before, kStart + 5), own) == Refused);
 }
 
-TEST_CASE("group seal: memory for senders has an end, and what is forgotten does not open again",
+TEST_CASE("group seal: memory for senders is bounded, forgotten messages do not open again",
           "[nats][fault]") {
   const net::Credentials own = member(1);
   Listener listener;

@@ -13,9 +13,8 @@ namespace tandem::nats::job_queue_test {
 
 using tandem::testing::eventually;
 
-TEST_CASE(
-    "job queue: what cannot be done holds up its owner's jobs, in their order, and no other's",
-    "[nats][fault]") {
+TEST_CASE("job queue: a blocked job holds up its owner's later jobs, and no other's",
+          "[nats][fault]") {
   std::atomic<bool> possible = false;
   std::atomic<int> tried = 0;
   std::mutex mutex;

@@ -243,10 +243,8 @@ class Crowd {
   int refused_ = 0;
 };
 
-TEST_CASE(
-    "ledger: ten thousand crossings lose no body and show none twice, though the server is killed "
-    "twice among them and loses what it had acknowledged",
-    "[nats][fault]") {
+TEST_CASE("ledger: ten thousand crossings lose and double no body despite a killed server",
+          "[nats][fault]") {
   if (!has_server()) return;
   const std::uint64_t seed = GENERATE(3U, 4U, 5U);
   CAPTURE(seed);
@@ -294,8 +292,7 @@ TEST_CASE("ledger: bodies that nobody touches are written again where the server
   CHECK(eventually(is_back));
 }
 
-TEST_CASE("ledger: a body whose last keeper the server has forgotten gets exactly one",
-          "[nats][fault]") {
+TEST_CASE("ledger: a body without a keeper at the server gets exactly one", "[nats][fault]") {
   if (!has_server()) return;
   Server server;
   BodyLedger first(ledger_options(server.port()));
@@ -338,8 +335,7 @@ TEST_CASE("ledger: a body whose last keeper the server has forgotten gets exactl
   }
 }
 
-TEST_CASE("ledger: what was written while there is no server is written when there is one",
-          "[nats][fault]") {
+TEST_CASE("ledger: writes during an outage of the server are made up for", "[nats][fault]") {
   if (!has_server()) return;
   Server server;
   const LedgerOptions options = ledger_options(server.port());

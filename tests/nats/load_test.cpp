@@ -10,7 +10,7 @@ namespace {
 using Verdict = Load::Verdict;
 constexpr std::int64_t kMs = 1'000'000;
 
-TEST_CASE("load: what comes back late, or not at all, or is dropped, shows a slow peer", "[nats]") {
+TEST_CASE("load: late, missing or dropped answers show a slow peer", "[nats]") {
   Load load;
   std::int64_t now = 1000 * kMs;
   const auto next = [&] { return now += Load::kLook; };

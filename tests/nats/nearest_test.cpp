@@ -17,10 +17,7 @@ using pbd::Vec3;
 
 std::set<PeerId> set_of(std::span<const PeerId> peers) { return {peers.begin(), peers.end()}; }
 
-TEST_CASE(
-    "nearest: they are the nearest but for the slack, and who jitters at the border changes "
-    "nothing",
-    "[nats]") {
+TEST_CASE("nearest: the nearest within a slack, and jitter at the border is ignored", "[nats]") {
   constexpr std::size_t kChosen = 8;
   constexpr double kSlack = 1.0;
   pbd::SplitMix64 dice(3);

@@ -70,7 +70,7 @@ class Crowd {
   pbd::SplitMix64 dice_{5};
 };
 
-TEST_CASE("neighbourhood: who is near is met, from both ends, and nobody else", "[nats]") {
+TEST_CASE("neighbourhood: near peers alone are met, from both ends", "[nats]") {
   const CellOptions options{.edge = 4.0, .levels = 3, .near = 5.0, .slack = 0.5, .max_near = 64};
   Crowd crowd(120, 40.0, options);
   for (int i = 0; i < 300; ++i) crowd.step(1.4);
@@ -111,7 +111,7 @@ TEST_CASE("neighbourhood: at most about as many as the limit are met, the neares
   CHECK(mean < 11.0);
 }
 
-TEST_CASE("neighbourhood: hysteresis keeps who walks along a border from coming and going",
+TEST_CASE("neighbourhood: hysteresis keeps walkers along a border from coming and going",
           "[nats]") {
   const CellOptions options{.edge = 4.0, .levels = 3, .near = 4.0, .slack = 1.0};
   Neighbourhood hood(options, 1);
@@ -131,8 +131,7 @@ TEST_CASE("neighbourhood: hysteresis keeps who walks along a border from coming 
   CHECK(met == 1);
 }
 
-TEST_CASE("neighbourhood: who falls silent is gone, and where there is no server nobody is",
-          "[nats]") {
+TEST_CASE("neighbourhood: silent peers are gone, but none while there is no server", "[nats]") {
   const CellOptions options{.edge = 4.0, .near = 4.0};
   Neighbourhood hood(options, 1);
   std::int64_t now = kTick;

@@ -59,9 +59,8 @@ TEST_CASE("tandem-peer: two of them hold a session over NATS through a server th
   CHECK_FALSE(says("1.log", "level=error"));
 }
 
-TEST_CASE(
-    "tandem-peer: with network.listen two stay together without a server, and lose who has no UDP",
-    "[nats][demos]") {
+TEST_CASE("tandem-peer: with network.listen two outlast the server and lose one without UDP",
+          "[nats][demos]") {
   if (!has_server()) return;
   Server server;
   const Folder folder;

@@ -37,9 +37,8 @@ std::vector<std::byte> packet_of(const char* name) {
   return out;
 }
 
-TEST_CASE(
-    "nats: one of those in a far cell tells what it comes to, and another where that one goes",
-    "[nats]") {
+TEST_CASE("nats: one peer of a far cell sends its summary, and another if that one goes",
+          "[nats]") {
   if (!has_server()) return;
   Server server;
   NatsTransport a(far_options(server.port(), 1));

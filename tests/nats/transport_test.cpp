@@ -28,8 +28,7 @@ std::vector<std::uint64_t> counted(std::size_t count) {
   return out;
 }
 
-TEST_CASE("nats: peers that are near meet, and what is reliable comes once and in order",
-          "[nats]") {
+TEST_CASE("nats: near peers meet, and reliable messages come once and in order", "[nats]") {
   if (!has_server()) return;
   Server server;
   NatsTransport a(options_of(server.port(), 1));
@@ -54,7 +53,7 @@ TEST_CASE("nats: peers that are near meet, and what is reliable comes once and i
   CHECK(std::abs(a.session_now() - b.session_now()) < 50'000'000);
 }
 
-TEST_CASE("nats: who walks away is parted from, and met again where he comes back", "[nats]") {
+TEST_CASE("nats: a peer that walks away is parted from, and met again on its return", "[nats]") {
   if (!has_server()) return;
   Server server;
   NatsTransport a(options_of(server.port(), 1));

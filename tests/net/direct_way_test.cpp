@@ -169,10 +169,8 @@ void check_nothing_lost(Neighbours& pair) {
   }
 }
 
-TEST_CASE(
-    "direct way: who is near is spoken to from socket to socket alone, and over the server "
-    "where he is not",
-    "[udp]") {
+TEST_CASE("direct way: near peers speak socket to socket alone, far ones over the server",
+          "[udp]") {
   Neighbours pair;
   pair.run(3 * kSecond);
   REQUIRE(pair.both_direct());

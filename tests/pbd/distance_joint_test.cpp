@@ -166,10 +166,8 @@ TEST_CASE("distance_joint: force() is Hooke's force and has a sign", "[pbd][anal
   CHECK(joints.at(id).force() == Approx(-2.0 * kGravity).epsilon(1e-6));
 }
 
-TEST_CASE(
-    "distance_joint: what others agree upon is left to decay, what somebody puts there comes back "
-    "without velocity",
-    "[pbd][unit]") {
+TEST_CASE("distance_joint: an agreed stretch decays, a set one closes without velocity",
+          "[pbd][unit]") {
   World world({.gravity = Vec3::Zero()});
   const BodyId body = world.add_body(box_def(1.0, kHalf, Vec3(1.0, 0.0, 0.0)));
   world.add_block<DistanceJoints>().add(world, {.b = body, .rest_length = 1.0});
