@@ -19,29 +19,37 @@ def equal(quoted, printed, tolerance):
     return abs(float(quoted) - float(printed)) <= slack
 
 
+def _tokens(quoted, units):
+    """(kind, text) of each part: a word, a number, a number that is not compared, or anything."""
+    at = 0
+    for match in re.finditer(f"{re.escape(ANYTHING)}|{NUMBER.pattern}", quoted):
+        yield "word", quoted[at:match.start()]
+        at = match.end()
+        unit = (quoted[at:].split() or [""])[0].rstrip(",.;:)")
+        kind = "anything" if match.group() == ANYTHING else "time" if unit in units else "number"
+        yield kind, match.group()
+    yield "word", quoted[at:]
+
+
+def _matches(tokens, text, at, tolerance, whole):
+    if not tokens:
+        return at == len(text) or not whole
+    (kind, quoted), rest = tokens[0], tokens[1:]
+    if kind == "anything":
+        return any(_matches(rest, text, i, tolerance, whole) for i in range(at, len(text) + 1))
+    if kind == "word":
+        return text.startswith(quoted, at) and _matches(rest, text, at + len(quoted), tolerance, whole)
+    number = NUMBER.match(text, at)
+    return (number is not None and (kind == "time" or equal(quoted, number.group(), tolerance))
+            and _matches(rest, text, number.end(), tolerance, whole))
+
+
 def same(quoted, printed, options, whole=True):
     """Whether a line has what a page quotes, or, where not whole, contains it."""
-    pattern, numbers, at = "", [], 0
-    quoted = " ".join(quoted.split())
-    parts = re.compile(f"{re.escape(ANYTHING)}|{NUMBER.pattern}")
-    for match in parts.finditer(quoted):
-        pattern += re.escape(quoted[at:match.start()])
-        at = match.end()
-        if match.group() == ANYTHING:
-            pattern += ".*?"
-        elif (quoted[at:].split() or [""])[0].rstrip(",.;:)") in options.units:
-            pattern += NUMBER.pattern
-        else:
-            numbers.append(match.group())
-            pattern += f"({NUMBER.pattern})"
-    pattern += re.escape(quoted[at:])
+    tokens = list(_tokens(" ".join(quoted.split()), options.units))
     text = " ".join(printed.split())
     starts = [0] if whole else range(len(text) + 1)
-    for start in starts:
-        match = (re.compile(pattern).fullmatch if whole else re.compile(pattern).match)(text, start)
-        if match and all(map(equal, numbers, match.groups(), [options.tolerance] * len(numbers))):
-            return True
-    return False
+    return any(_matches(tokens, text, start, options.tolerance, whole) for start in starts)
 
 
 def differs(quoted, printed, options):

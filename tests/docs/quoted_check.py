@@ -71,6 +71,10 @@ class Quoted(unittest.TestCase):
         for wrong in ("gap is 2 mm => gap 2 mm", "gap is 1 mm => count 7", "of 7 => count 8", "gap is 1 mm => gap"):
             self.assertEqual(len(faults(hidden(wrong))), 1, wrong)
 
+    def test_anything_passes_over_other_numbers(self):
+        self.assertEqual(faults(hidden("of 7 => p50 [..] 7 [..]", "echo p50 1 2 7 9")), [])
+        self.assertEqual(len(faults(hidden("of 7 => p50 [..] 7 [..]", "echo p50 1 2 8 9"))), 1)
+
     def test_rows(self):
         page = "| a | 1 |\n|---|---|\n<!-- quoted\n$ echo '| a | {} |'\n-->\n"
         self.assertEqual(faults(page.replace("{}", "1")), [])
