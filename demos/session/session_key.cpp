@@ -74,6 +74,14 @@ std::vector<std::byte> read_hex_file(const std::string& path) {
   return out;
 }
 
+std::vector<std::byte> read_secret_hex_file(const std::string& path) {
+  // A missing file is what read_hex_file says it is.
+  if (std::filesystem::exists(path) && !for_owner_alone(path)) {
+    throw std::invalid_argument(std::string(kForOwnerAlone));
+  }
+  return read_hex_file(path);
+}
+
 bool is_loopback(const std::string& host) {
   if (host == "localhost" || host == "::1") return true;
   // A host name may begin with "127." too.

@@ -30,6 +30,10 @@ Key keep_identity(const std::string& path, Key (*make)());
 /// @throws std::invalid_argument with the rule that the file breaks, without its name
 std::vector<std::byte> read_hex_file(const std::string& path);
 
+/// The same of a file to which only the owner may have access.
+/// @throws std::invalid_argument as read_hex_file
+std::vector<std::byte> read_secret_hex_file(const std::string& path);
+
 /// True if a host's name can only be this machine.
 bool is_loopback(const std::string& host);
 

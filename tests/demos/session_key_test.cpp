@@ -155,6 +155,22 @@ TEST_CASE("session key: hex digits of any length are bytes", "[demos][unit]") {
   CHECK_THROWS_AS(read_hex_file(path), std::invalid_argument);
 }
 
+#ifndef _WIN32
+TEST_CASE("session key: secret hex digits are read if nobody else can read or write them",
+          "[demos]") {
+  const fs::path path = fs::temp_directory_path() / "tandem_secret_hex";
+  std::ofstream(path) << "0aff";
+  fs::permissions(path, fs::perms(0600));
+  CHECK(read_secret_hex_file(path.string()).size() == 2);
+  for (const fs::perms others : {fs::perms(0640), fs::perms(0604), fs::perms(0602)}) {
+    fs::permissions(path, others);
+    CHECK_THROWS_WITH(read_secret_hex_file(path.string()), std::string(kForOwnerAlone));
+  }
+  fs::remove(path);
+  CHECK_THROWS_WITH(read_secret_hex_file(path.string()), "a file that can be read");
+}
+#endif
+
 TEST_CASE("session key: a name that begins like a loopback address is none", "[demos][unit]") {
   for (const char* host : {"localhost", "::1", "127.0.0.1", "127.1.2.3"}) CHECK(is_loopback(host));
   for (const char* host : {"127.evil.org", "10.0.0.1", "localhost.org", "0.0.0.0", ""}) {

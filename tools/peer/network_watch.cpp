@@ -84,11 +84,16 @@ void NetworkWatch::look_at_group() {
     std::error_code ignored;
     const auto written = std::filesystem::last_write_time(config_.group_file, ignored);
     if (!ignored && written != group_written_) {
-      group_written_ = written;
       try {
-        network_.change_group(read_hex_file(config_.group_file));
+        network_.change_group(read_secret_hex_file(config_.group_file));
+        group_written_ = written;
+        group_fault_.clear();
       } catch (const std::invalid_argument& error) {
-        log_.line(Level::Warn, "group_file", {{"what", error.what()}});
+        // It is read again, as access to it may change without its time.
+        if (group_fault_ != error.what()) {
+          log_.line(Level::Warn, "group_file", {{"what", error.what()}});
+        }
+        group_fault_ = error.what();
       }
     }
   }

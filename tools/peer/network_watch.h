@@ -57,7 +57,8 @@ class NetworkWatch {
   std::map<std::string, std::uint64_t> told_refused_;
   SteadyTime next_refused_;
   std::int64_t told_stepped_ = 0;
-  std::filesystem::file_time_type group_written_{};
+  std::filesystem::file_time_type group_written_{};  ///< of the file that was taken
+  std::string group_fault_;                          ///< logged last
   std::uint64_t group_ = 0;
 };
 
