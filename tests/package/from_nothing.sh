@@ -33,8 +33,14 @@ sources() {
 }
 
 way_libraries() {
+  local build=build/release
   bash cmake/install-deps.sh --with-checks
-  bash "$here/run.sh"
+  if [[ ! -f $build/CMakeCache.txt ]]; then
+    # Without what is not installed.
+    build=build/libraries
+    cmake --preset release -B "$build" -DTANDEM_BUILD_TESTS=OFF -DTANDEM_BUILD_BENCHMARKS=OFF
+  fi
+  bash "$here/run.sh" "$build"
 }
 way_deb() {
   bash cmake/install-deps.sh
