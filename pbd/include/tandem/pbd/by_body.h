@@ -72,7 +72,8 @@ class TANDEM_API ByBody {
 
   void link(std::uint32_t at, std::uint32_t body) {
     if (body == BodyId::kNone) return;
-    if (body >= first_.size()) first_.resize(body + std::size_t{1}, kNone);
+    // A copy: a DLL would export a constant to which it has a reference.
+    if (body >= first_.size()) first_.resize(body + std::size_t{1}, std::uint32_t{kNone});
     if (!known(at)) ends_[at % 2].resize(at / 2 + std::size_t{1});
     end(at) = {body, kNone, first_[body]};
     if (first_[body] != kNone) end(first_[body]).before = at;
