@@ -3,12 +3,13 @@
 #
 # Cross-built static libraries are installed with what they need: FCL, libccd and tinyobjloader as they were
 # compiled with Tandem (tandem_module), libsodium and Eigen's headers from the sysroot and the system, and what
-# their licences ask for. Shared libraries have all of it inside but Eigen.
+# their licences ask for. Shared libraries have all of it inside but Eigen; DLLs come with its headers and with
+# the compiler's DLLs, as Windows has no packages for them.
 set(TANDEM_BUNDLE OFF)
 if(NOT TANDEM_SYSROOT)
   return()
 endif()
-if(NOT BUILD_SHARED_LIBS)
+if(NOT BUILD_SHARED_LIBS OR WIN32)
   set(TANDEM_BUNDLE ON)
   get_target_property(folders Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
   install(DIRECTORY "${folders}/Eigen" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/eigen3" COMPONENT dev)
@@ -21,7 +22,7 @@ Version: ${Eigen3_VERSION}
 Cflags: -I\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}/eigen3
 ")
   install(FILES "${PROJECT_BINARY_DIR}/eigen3.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT dev)
-  if(TANDEM_NET_UDP)
+  if(TANDEM_NET_UDP AND NOT BUILD_SHARED_LIBS)
     find_library(TANDEM_SODIUM_ARCHIVE NAMES libsodium.a PATHS "${TANDEM_SYSROOT}/lib"
                  NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH REQUIRED)
     mark_as_advanced(TANDEM_SODIUM_ARCHIVE)
@@ -34,6 +35,13 @@ Cflags: -I\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}/eigen3
       "$<BUILD_INTERFACE:PkgConfig::SODIUM>" "$<INSTALL_INTERFACE:$<INSTALL_PREFIX>/${archive}>")
   endif()
 endif()
+if(WIN32 AND BUILD_SHARED_LIBS)
+  foreach(library IN ITEMS libstdc++-6 libgcc_s_seh-1 libwinpthread-1)
+    execute_process(COMMAND "${CMAKE_CXX_COMPILER}" -print-file-name=${library}.dll OUTPUT_VARIABLE file
+                    OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+    install(FILES "${file}" DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
+  endforeach()
+endif()
 
 # Parts of other projects in the archives and programs, with their licences from Debian.
 set(packages libfcl-dev libccd-dev libsodium-dev libeigen3-dev libxsimd-dev libasio-dev
@@ -43,7 +51,7 @@ if(WIN32)
 endif()
 set(component license)
 set(documents tandem)
-if(BUILD_SHARED_LIBS)
+if(BUILD_SHARED_LIBS AND NOT WIN32)
   # In Debian's package of the libraries, and under its name.
   set(component runtime)
   set(documents libtandem${tandem_abi})

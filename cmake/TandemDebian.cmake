@@ -10,7 +10,7 @@
 # for amd64, and by the preset "arm64_shared" for arm64.
 find_program(TANDEM_DPKG_DEB dpkg-deb)
 mark_as_advanced(TANDEM_DPKG_DEB)
-if(NOT TANDEM_DPKG_DEB OR NOT BUILD_SHARED_LIBS)
+if(NOT TANDEM_DPKG_DEB OR NOT BUILD_SHARED_LIBS OR WIN32)
   return()
 endif()
 

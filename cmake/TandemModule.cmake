@@ -71,6 +71,7 @@ function(tandem_module name)
   endforeach()
 
   install(TARGETS ${target} EXPORT tandem-${name}-targets
+    RUNTIME COMPONENT runtime
     LIBRARY COMPONENT runtime NAMELINK_COMPONENT dev
     ARCHIVE COMPONENT dev)
   set(absent)
@@ -92,6 +93,14 @@ endfunction()
 # A shared library shows what is marked TANDEM_API and nothing else, wants nothing that it does not
 # name, and finds its kin beside it.
 function(_tandem_shared target)
+  if(WIN32)
+    # DLLs export what is marked and not inline: inline members of marked classes are compiled into each
+    # user, so a module does not export those of another. Typeinfo of another's classes, and virtual tables
+    # of those that are all inline, are in each DLL that uses them, and exported; typeinfo is equal by name.
+    target_compile_definitions(${target} PRIVATE TANDEM_DLL)
+    target_compile_options(${target} PRIVATE -fno-keep-inline-dllexport)
+    return()
+  endif()
   set_target_properties(${target} PROPERTIES
     CXX_VISIBILITY_PRESET hidden
     VISIBILITY_INLINES_HIDDEN ON

@@ -27,7 +27,10 @@ install(FILES "${CMAKE_CURRENT_LIST_DIR}/NOTICES.txt"
         DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/tandem-demos" COMPONENT demos)
 
 set(folder "${CMAKE_INSTALL_LIBEXECDIR}/tandem/demos")
-if(WIN32)
+if(WIN32 AND BUILD_SHARED_LIBS)
+  # Where Windows finds the DLLs.
+  set(folder "${CMAKE_INSTALL_BINDIR}")
+elseif(WIN32)
   set(folder demos)
 endif()
 _install_programs("${folder}" cliff cubes piano pile plaza room tennis)
