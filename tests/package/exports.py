@@ -59,11 +59,21 @@ def complaint(symbol, names, mentioned):
     return None
 
 
+def of_dll(library):
+    """Its exported names, mangled."""
+    listed = subprocess.run(["objdump", "-p", library], check=True, capture_output=True, text=True).stdout
+    table = listed.partition("[Ordinal/Name Pointer] Table")[2].partition("\n\n")[0]
+    return re.findall(r"^\t\[ *\d+\] (\S+)$", table, re.M)
+
+
 def of_libraries(libraries):
     """By library: its dynamic symbols, mangled, without their versions; the version itself is one,
     absolute."""
     out = {}
     for library in libraries:
+        if library.endswith(".dll"):
+            out[library] = of_dll(library)
+            continue
         listed = subprocess.run(["nm", "-D", "--defined-only", library], check=True,
                                 capture_output=True, text=True).stdout
         out[library] = [re.sub(r"@@?TANDEM_[\d.]+$", "", line.split(" ", 2)[2])
@@ -105,9 +115,14 @@ def lines_of(shown):
     adds to a class."""
     lines = set()
     for library, symbols in shown.items():
-        name = re.sub(r"^libtandem_|\.so.*", "", pathlib.Path(library).name)
+        name = re.sub(r"^libtandem_|\.(so|dll).*", "", pathlib.Path(library).name)
         lines |= {f"{name}: {symbol}" for symbol in readable(symbols).values() if not ABOUT.match(symbol)[0]}
     return sorted(lines)
+
+
+def with_short_longs(lines):
+    """Windows has 64 bit integers by another name: `long long` for Linux's `long`."""
+    return sorted(re.sub(r"\b(\d+u?l)l\b", r"\1", line.replace("long long", "long")) for line in lines)
 
 
 def report(found):
@@ -155,6 +170,8 @@ def main():
         arguments.list.write_text("\n".join(lines_of(shown)) + "\n")
     elif arguments.list:
         now, reviewed = lines_of(shown), arguments.list.read_text().splitlines()
+        if any(library.endswith(".dll") for library in shown):
+            now, reviewed = with_short_longs(now), with_short_longs(reviewed)
         changes = [(line, "new, and not in the list") for line in now if line not in reviewed]
         changes += [(line, "in the list, and gone") for line in reviewed if line not in now]
         print(f"exports: {len(now)} public symbols, {len(changes)} of them other than reviewed")
