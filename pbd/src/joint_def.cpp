@@ -86,6 +86,7 @@ void check_axis(const JointAxis& axis, const JointField& field) {
            "0 on a free axis, which has no stops to give way");
   }
   check_at_least_0(axis.friction, field / "friction");
+  check_at_least_0(axis.armature, field / "armature");
   check_spring(axis.spring, field);
   demand(std::isfinite(axis.spring.rest), field / "spring.rest", axis.spring.rest, "finite");
   demand(std::isfinite(axis.motor.target), field / "motor.target", axis.motor.target, "finite");
@@ -105,13 +106,15 @@ void check_axis(const JointAxis& axis, const JointField& field) {
     demand(axis.spring.frequency == 0.0, field / "spring.frequency", axis.spring.frequency,
            "0 on a locked axis");
     demand(axis.friction == 0.0, field / "friction", axis.friction, "0 on a locked axis");
+    demand(axis.armature == 0.0, field / "armature", axis.armature, "0 on a locked axis");
   }
 }
 
 /// Whether any part of the drive acts.
 bool is_on(const BallDrive& drive) {
   return drive.spring.stiffness > 0.0 || drive.spring.damping > 0.0 ||
-         drive.spring.frequency > 0.0 || drive.motor.mode != MotorMode::Off || drive.friction > 0.0;
+         drive.spring.frequency > 0.0 || drive.motor.mode != MotorMode::Off ||
+         drive.friction > 0.0 || drive.armature > 0.0;
 }
 
 void check_drive(const SixDofJointDef& def) {
@@ -126,6 +129,7 @@ void check_drive(const SixDofJointDef& def) {
   demand(drive.motor.max_torque > 0.0, field / "motor.max_torque", drive.motor.max_torque, "> 0");
   demand(drive.motor.max_speed > 0.0, field / "motor.max_speed", drive.motor.max_speed, "> 0");
   check_at_least_0(drive.friction, field / "friction");
+  check_at_least_0(drive.armature, field / "armature");
   for (int i = 0; is_on(drive) && i < 3; ++i) {
     const JointAxis& axis = def.angular[static_cast<std::size_t>(i)];
     const JointField at{"angular", i};
@@ -134,6 +138,7 @@ void check_drive(const SixDofJointDef& def) {
     demand(axis.motor.mode == MotorMode::Off, at / "motor.mode",
            static_cast<double>(axis.motor.mode), "off where the joint has a drive");
     demand(axis.friction == 0.0, at / "friction", axis.friction, "0 where the joint has a drive");
+    demand(axis.armature == 0.0, at / "armature", axis.armature, "0 where the joint has a drive");
     const double spring = axis.spring.stiffness + axis.spring.damping + axis.spring.frequency;
     demand(spring == 0.0, at / "spring", spring, "0 where the joint has a drive");
   }

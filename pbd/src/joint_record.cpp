@@ -15,8 +15,8 @@ namespace {
 void axis_fields(auto& io, auto& axis) {
   io(axis.freedom, axis.motor.mode, axis.lower, axis.upper, axis.compliance, axis.damping,
      axis.spring.stiffness, axis.spring.rest, axis.spring.damping, axis.spring.frequency,
-     axis.spring.damping_ratio, axis.friction, axis.motor.target, axis.motor.max_force,
-     axis.motor.max_speed, axis.motor.stiffness, axis.motor.damping);
+     axis.spring.damping_ratio, axis.friction, axis.armature, axis.motor.target,
+     axis.motor.max_force, axis.motor.max_speed, axis.motor.stiffness, axis.motor.damping);
 }
 
 void record_fields(auto& io, auto& record, auto& def, auto& state) {
@@ -29,7 +29,7 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
   auto& motor = def.drive.motor;
   io(spring.stiffness, spring.damping, spring.frequency, spring.damping_ratio, spring.rest,
      motor.mode, motor.velocity, motor.target, motor.max_torque, motor.max_speed,
-     def.drive.friction, record.drive.start);
+     def.drive.friction, def.drive.armature, record.drive.start);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
      record.energy_excess, record.h, record.spring_mass);
   io(state.position, state.swing, record.forces, state.force, state.torque, state.residual,
@@ -68,7 +68,8 @@ void JointRecord::resolve() {
                               .frequency = d.spring.frequency,
                               .damping_ratio = d.spring.damping_ratio},
                    .motor = {.mode = d.motor.mode, .max_force = d.motor.max_torque},
-                   .friction = d.friction};
+                   .friction = d.friction,
+                   .armature = d.armature};
   for (int c = 0; c < kCoordinates; ++c) {
     const auto i = static_cast<std::size_t>(c);
     if (c >= kDrive) driven.motor.target = d.motor.velocity[c - kDrive];
@@ -111,9 +112,9 @@ void JointRecord::refresh() {
   passive = true;
   for (int c = 0; c < kCoordinates; ++c) {
     const JointAxis& a = axis(c);
-    if (a.compliance > 0.0 || is_powered(a)) passive = false;
+    if (a.compliance > 0.0 || a.armature > 0.0 || is_powered(a)) passive = false;
     if (a.freedom != Freedom::Free || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0 ||
-        a.spring.damping > 0.0 || a.spring.frequency > 0.0) {
+        a.spring.damping > 0.0 || a.spring.frequency > 0.0 || a.armature > 0.0) {
       used |= 1u << c;
     } else {
       displacement_residual[c] = 0.0;  // no row lets it decay

@@ -105,6 +105,8 @@ void begin(const JointPart& part) {
         tune_spring(rows.law[i], axis.spring, record.spring_mass[i], c[i], rate_of(rows, i, a, b),
                     ctx.h);
       }
+      if (axis.armature > 0.0)
+        add_armature(rows.law[i], axis.armature, c[i], rate_of(rows, i, a, b), ctx.h);
     });
   });
 }

@@ -18,7 +18,7 @@ namespace tandem::pbd {
 namespace {
 
 constexpr std::uint32_t kSnapshotMagic = 0x53444e54;  // "TNDS"
-constexpr std::uint32_t kSnapshotVersion = 14;
+constexpr std::uint32_t kSnapshotVersion = 15;
 
 /// Bytes before the state, and after it: see snapshot().
 constexpr std::size_t kHeadBytes = 4 + 4 + 4 + 8 + 1;

@@ -93,7 +93,7 @@ TEST_CASE("mjcf: a ball has friction about each of its own axes, damping, and a 
   CHECK(sprung.file.warnings.empty());
 }
 
-TEST_CASE("mjcf: rotors of joints on bodies that never turn act as in MuJoCo", "[mjcf]") {
+TEST_CASE("mjcf: rotors of joints, inner ones too, act as in MuJoCo", "[mjcf]") {
   // Of 2 kg that fall with a rotor of 3 kg.
   SceneFile lift = world(
       "<body name='lift'><joint type='slide' axis='0 0 1' armature='3'/>"
@@ -108,6 +108,8 @@ TEST_CASE("mjcf: rotors of joints on bodies that never turn act as in MuJoCo", "
       "<joint name='h' axis='0 1 0' armature='.4'/><geom size='.1' pos='0 0 -.5' mass='1'/>"
       "</body></body><body name='ball' pos='0 1 0' euler='40 0 0'>"
       "<joint name='b' type='ball' armature='.2'/><geom size='.1' pos='0 0 -.5' mass='1'/>"
+      "<body name='inner' pos='0 0 -.5' euler='70 0 0'><joint name='i' axis='1 0 0' "
+      "armature='.05'/><geom size='.05' pos='0 0 -.3' mass='.3'/></body>"
       "</body></worldbody></mujoco>";
   SceneFile file = parse_mjcf(text);
   CHECK(file.warnings.empty());
@@ -121,6 +123,9 @@ TEST_CASE("mjcf: rotors of joints on bodies that never turn act as in MuJoCo", "
   CHECK(file.pose("ball").orientation.angularDistance(reference.turn(3)) <
         std::numbers::pi / 180.0);
   CHECK(reference.turn(3).angularDistance(Quat(Eigen::AngleAxisd(0.7, Vec3::UnitX()))) > 0.3);
+  CHECK(std::abs(file.scene.joints().hinge_angle(file.find_joint("i")) - reference.moved(3)) <
+        std::numbers::pi / 180.0);
+  CHECK(std::abs(reference.moved(3)) > 0.3);
 }
 
 TEST_CASE("mjcf: omitted features of joints are told", "[mjcf]") {
@@ -134,7 +139,7 @@ TEST_CASE("mjcf: omitted features of joints are told", "[mjcf]") {
       "<connect name='c' body1='a' anchor='0 0 0'/></equality>";
   const SceneFile file = model(text);
   CHECK(is_told(file, "joint f: frictionloss of free joints"));
-  CHECK(is_told(file, "joint f, h, i: armature is left out"));
+  CHECK(is_told(file, "joint f: armature of free joints"));
   CHECK(is_told(file, "equality e, g: couplings of joints are left out"));
   CHECK(is_told(file, "equality c: left out"));
   CHECK_FALSE(is_told(file, "equality k"));

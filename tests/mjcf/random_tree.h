@@ -59,8 +59,8 @@ class RandomTree {
     controls.push_back((kind == 2 ? 0.05 : 1.0) * random_.uniform(-1.0, 1.0));
   }
 
-  /// @param type  0 hinge, 1 slide, 2 ball. @param rotor  it may have one
-  void joint(const std::string& name, int type, const std::string& axis, bool rotor) {
+  /// @param type  0 hinge, 1 slide, 2 ball
+  void joint(const std::string& name, int type, const std::string& axis) {
     constexpr const char* kTypes[] = {"hinge", "slide", "ball"};
     text += "<joint";
     put("name", std::string("j") + name);
@@ -70,7 +70,7 @@ class RandomTree {
     put_sometimes("damping", 0.0, 0.5);
     put_sometimes("frictionloss", 0.0, 1.0);
     put_sometimes("stiffness", 0.0, 5.0);
-    if (rotor) put_sometimes("armature", 0.0, 0.1);
+    put_sometimes("armature", 0.0, 0.1);
     if (type != 2) {
       if (sometimes()) actuator(name);
       put_sometimes("ref", -1.0, 1.0);
@@ -80,17 +80,17 @@ class RandomTree {
     text += "/>";
   }
   /// Two slides and a hinge, which stands before them or behind.
-  void planar(const std::string& name, bool rotor) {
+  void planar(const std::string& name) {
     const bool first = sometimes();
-    if (first) joint(name, 0, "0 1 0", rotor);
-    joint(name + 'x', 1, "1 0 0", false);
-    joint(name + 'z', 1, sometimes() ? "0 0 -1" : "0 0 1", false);
-    if (!first) joint(name, 0, "0 1 0", rotor);
+    if (first) joint(name, 0, "0 1 0");
+    joint(name + 'x', 1, "1 0 0");
+    joint(name + 'z', 1, sometimes() ? "0 0 -1" : "0 0 1");
+    if (!first) joint(name, 0, "0 1 0");
   }
 
   /// Up to three hinges about any axes, or about axes at right angles, through a point or by each
   /// other, and what else MuJoCo lets a body have: slides askew and between them.
-  void several(const std::string& name, bool rotor) {
+  void several(const std::string& name) {
     constexpr const char* kAcross[] = {"1 0 0", "0 0 1", "0 1 0"};
     constexpr const char* kNames[] = {"x", "y", "z"};
     const std::uint64_t count = 2 + random_.below(2);
@@ -100,7 +100,7 @@ class RandomTree {
       if (!through_point) anchor_ = three(0.1);
       const std::string axis = three(1.0);
       const int type = i > 0 && !across && random_.below(6) == 0 ? 1 : 0;
-      joint(name + kNames[i], type, across ? kAcross[i] : axis, rotor && i == 0);
+      joint(name + kNames[i], type, across ? kAcross[i] : axis);
     }
   }
 
@@ -128,12 +128,12 @@ class RandomTree {
     if (i == 0 && sometimes()) {
       text += "<freejoint/>";
     } else if (several_ && random_.below(2) == 0) {
-      several(n, i == 0);
+      several(n);
     } else if (sometimes()) {
-      planar(n, i == 0);
+      planar(n);
     } else {
       const int type = static_cast<int>(random_.below(3));
-      joint(n, type, three(1.0), i == 0);
+      joint(n, type, three(1.0));
     }
     geom();
     for (const std::size_t child : children[i]) add(child, children);

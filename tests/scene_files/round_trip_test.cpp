@@ -91,11 +91,13 @@ Scene heap() {
                           .velocity = Vec3(0.3, 0.2, 0.1),
                           .target = any_turn(random),
                           .max_torque = 2.0},
-                .friction = 0.1};
+                .friction = 0.1,
+                .armature = 0.02};
   scene.add_joint(ball);
   auto swing = pbd::hinge_joint_at(world, bodies[4], bodies[18], at(4), Vec3::UnitY());
   swing.axis.spring = {.rest = 0.2, .frequency = 2.0, .damping_ratio = 0.1};
   swing.axis.friction = 0.05;
+  swing.axis.armature = 0.01;
   swing.collide_connected = false;
   scene.add_joint(swing);
   scene.set_apart(bodies[5], bodies[19]);

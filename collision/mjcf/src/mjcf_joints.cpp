@@ -140,6 +140,7 @@ class JointReader {
       def.drive.spring = {.stiffness = m_.jnt_stiffness[j], .damping = m_.dof_damping[dof]};
     }
     def.drive.friction = dry_friction(dof);
+    def.drive.armature = m_.dof_armature[dof];
     if (def.drive.friction > 0.0 && !chain_.slides.empty()) {
       model_.warn(mjOBJ_JOINT, j, "frictionloss of a ball beside slides is about their axes");
     }
@@ -175,6 +176,7 @@ class JointReader {
     }
     if (sign < 0.0) model_.warn(mjOBJ_JOINT, j, kBackwards);
     axis.friction = dry_friction(dof);
+    axis.armature = m_.dof_armature[dof];
   }
 
   Model& model_;

@@ -33,9 +33,6 @@ void Reader::place(int b) {
   const Pose local = pose_of(m_.body_pos + 3 * b, m_.body_quat + 4 * b);
   const int parent = m_.body_parentid[b];
   body.frame = b == 0 ? local : at(parent).frame * local;
-  const int first = m_.body_jntadr[b];
-  body.carrier = is_mocap(b) ? Carrier::Turns
-                             : carried(m_, {first, first + m_.body_jntnum[b]}, at(parent).carrier);
   body.lead = b;
   // A body fixed to the world stays a body of its own: it costs nothing, and keeps a pose.
   const bool part = b > 0 && m_.body_jntnum[b] == 0 && !is_mocap(b) &&
@@ -87,23 +84,18 @@ void Reader::add_body(int b) {
 
 void Reader::add_between(int b, pbd::BodyDef& def) {
   Body& body = at(b);
-  Carrier carrier = at(m_.body_parentid[b]).carrier;
   body.joints = joint_ranges(m_, b);
   if (body.joints.empty()) return;
   if (body.joints.size() > 1) {
     model_.warn(mjOBJ_BODY, b, "light bodies stand between joints that no single one stands for");
   }
   for (pbd::BodyDef& between : bodies_between(m_, body.joints, def)) {
-    const JointRange joints = body.joints[body.between.size()];
     between.pose = {body.frame.to_world(-between.origin), body.frame.orientation};
-    add_armature(model_, joints, carrier, between);
-    carrier = carried(m_, joints, carrier);
     scene_files::require_within(model_.where(mjOBJ_BODY, b), limits_.add(&SceneLimits::bodies));
     body.between.push_back(
         model_.guard(mjOBJ_BODY, b, [&] { return out_.scene.world().add_body(between); }));
   }
   def.pose.position = body.frame.to_world(-def.origin);
-  add_armature(model_, body.joints.back(), carrier, def);
 }
 
 /// Damping of a free joint: force and torque proportional to the speeds.
@@ -226,6 +218,9 @@ void Reader::tell_free_joint(int j) {
   const int dof = m_.jnt_dofadr[j];
   if (m_.dof_frictionloss[dof] != 0.0 && !model_.off(mjDSBL_FRICTIONLOSS)) {
     model_.warn(mjOBJ_JOINT, j, "frictionloss of free joints is not read");
+  }
+  if (m_.dof_armature[dof] != 0.0) {
+    model_.warn(mjOBJ_JOINT, j, "armature of free joints is not read");
   }
 }
 

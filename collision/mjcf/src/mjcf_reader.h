@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "limit_count.h"
-#include "mjcf_armature.h"
 #include "mjcf_filters.h"
 #include "mjcf_joints.h"
 #include "mjcf_model.h"
@@ -26,11 +25,10 @@ class Reader {
  private:
   /// By index in the model.
   struct Body {
-    Pose frame;    ///< world
-    int lead = 0;  ///< the body whose scene body it is part of: itself, or an earlier one
-    Pose in_lead;  ///< its frame in the lead's
-    Carrier carrier = Carrier::Fixed;
-    std::int32_t group = 0;          ///< group of its tree; 0: of the world
+    Pose frame;              ///< world
+    int lead = 0;            ///< the body whose scene body it is part of: itself, or an earlier one
+    Pose in_lead;            ///< its frame in the lead's
+    std::int32_t group = 0;  ///< group of its tree; 0: of the world
     std::vector<JointRange> joints;  ///< each is one joint in the scene
     std::vector<BodyId> between;     ///< bodies between those, in order
     BodyId id;                       ///< only of leads

@@ -137,6 +137,7 @@ void fields(auto& io, pbd::JointAxis& axis) {
   io("spring", axis.spring);
   io("motor", axis.motor);
   io("friction", axis.friction);
+  io("armature", axis.armature);
 }
 
 void fields(auto& io, pbd::BallDrive::Spring& spring) {
@@ -159,6 +160,7 @@ void fields(auto& io, pbd::BallDrive& drive) {
   io("spring", drive.spring);
   io("motor", drive.motor);
   io("friction", drive.friction);
+  io("armature", drive.armature);
 }
 
 /// Fields common to all joints; bodies are named, and so read and written separately.

@@ -73,6 +73,9 @@ struct TANDEM_API JointAxis {
   /// N or N m, >= 0, none where Locked: dry friction, the largest force that resists motion. A
   /// motor that is on replaces it, unless it is a servo.
   double friction = 0.0;
+  /// kg or kg m^2, >= 0, none where Locked: inertia of the coordinate alone, as of a motor behind a
+  /// gear. Contacts do not feel it, and World::kinetic_energy() does not count it.
+  double armature = 0.0;
 };
 
 /// Turns frame b within frame a about all three axes at once; none of them may be locked. Torques
@@ -96,6 +99,7 @@ struct TANDEM_API BallDrive {
   Spring spring = {};
   Motor motor = {};
   double friction = 0.0;  ///< N m, >= 0; replaced by a motor that is on
+  double armature = 0.0;  ///< kg m^2, >= 0, about each axis; see JointAxis::armature
 };
 
 /// The general joint; the others are short forms of it. Body b moves in the frame of body a.
