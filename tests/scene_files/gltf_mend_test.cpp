@@ -110,15 +110,75 @@ TEST_CASE("gltf: a file with unknown required extensions is refused", "[gltf][er
 }
 
 TEST_CASE("gltf: round-off of single precision below an uneven scale is none", "[gltf]") {
-  const auto text = [](const char* turn) {
-    return std::string(R"("nodes": [{"scale": [1, 0.5, 1], "children": [1]},
-      {"name": "empty", "translation": [1, 0, 0], "rotation": [0, )") +
-           turn + ", 0, 1]}]";
+  const auto text = [](const char* turn, const char* more) {
+    return std::string(R"("extensions": {"KHR_implicit_shapes": {"shapes": [{"type": "box"}]}},
+      "nodes": [{"scale": [1, 0.5, 1], "children": [1]},
+      {"translation": [1, 0, 0], "rotation": [0, )") +
+           turn + ", 0, 1], " + more + "}]";
   };
-  CHECK_NOTHROW(parse(text("1.1920929e-7")));
-  const std::string told = refusal([&] { parse(text("1e-5")); });
-  CHECK(told.find("/nodes/1/rotation must be none below a scale") != std::string::npos);
-  CHECK(told.find("1e-05") != std::string::npos);
+  const char* box =
+      R"("extensions": {"KHR_physics_rigid_bodies": {"collider": {"geometry": {"shape": 0}}}})";
+  CHECK_NOTHROW(parse(text("1.1920929e-7", box)));
+  CHECK(refusal([&] {
+          parse(text("1e-5", box));
+        }).find("/nodes/1 must be without a rotation below a scale that is uneven") !=
+        std::string::npos);
+  // Shear has no effect on a frame without a shape, as of a joint, but moves what hangs on it.
+  CHECK_NOTHROW(parse(text("1e-5", R"("name": "frame")")));
+  const std::string below = R"("children": [2]}, {"translation": [0, 1, 0])";
+  CHECK(refusal([&] { parse(text("1e-5", below.c_str())); }).find("/nodes/2/translation") !=
+        std::string::npos);
+}
+
+TEST_CASE("gltf: moments of 0 are infinite, impossible ones the nearest", "[gltf]") {
+  const auto text = [](const char* moments) {
+    return std::string(R"("nodes": [{"name": "b", "extensions": {"KHR_physics_rigid_bodies":
+      {"motion": {"mass": 2, "inertiaDiagonal": )") +
+           moments + "}}}}]";
+  };
+  SceneFile still = parse(text("[0, 0, 0]"));
+  still.scene.apply_impulse(still.find("b"), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.5));
+  still.scene.step(1.0 / 60.0);
+  CHECK(still.scene.twist(still.find("b")).angular.norm() < 1e-12);
+  CHECK(still.scene.twist(still.find("b")).linear.x() == Approx(0.5).epsilon(1e-6));
+
+  // y in glTF is z here.
+  SceneFile wheel = parse(text("[0, 1, 0]"));
+  CHECK(tells(wheel, "/inertiaDiagonal: 0 stands for infinity"));
+  wheel.scene.world().apply_angular_impulse(wheel.find("b"), Vec3(1.0, 1.0, 1.0));
+  const Vec3 spin = wheel.scene.twist(wheel.find("b")).angular;
+  CHECK(spin.z() == Approx(1.0));
+  CHECK(spin.head<2>().norm() < 1e-5);
+
+  // Second moments of a body are not negative: 0.4 is at most the sum of the others.
+  const SceneFile rod = parse(text("[0.4, 0.1, 0.1]"));
+  CHECK(tells(rod, "/inertiaDiagonal: no body has it"));
+  CHECK(rod.scene.world().props(rod.find("b")).inertia.trace() == Approx(0.6).epsilon(0.4));
+  CHECK(refusal([&] { parse(text("[0.4, 0.1, 0.1]"), true); }).find("largest moment") !=
+        std::string::npos);
+}
+
+TEST_CASE("gltf: an open mesh has the mass of its hull, and no triangle counts twice", "[gltf]") {
+  // Three faces of the corner of a cube, then one of them again.
+  std::vector<float> corner{0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0,
+                            1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  const auto moving = [&] {
+    std::string text = solid(corner, false);
+    const std::string key = R"("collider")";
+    return text.insert(text.find(key), R"("motion": {}, )");
+  };
+  const SceneFile open = parse(moving());
+  CHECK(tells(open, "a mesh with a border has the mass of its hull"));
+  CHECK(open.scene.world().props(open.find("b")).mass == Approx(1000.0 / 6.0));
+  CHECK(refusal([&] { parse(moving(), true); }).find("closed") != std::string::npos);
+  corner.insert(corner.end(), {0, 0, 0, 0, 1, 0, 1, 0, 0});
+  const SceneFile twice = parse(solid(corner, false));
+  CHECK(tells(twice, "1 triangles with another one on the same side"));
+  CHECK(
+      std::get<collision::Mesh>(twice.scene.shapes().collider({0, 0}).shape)->triangles().size() ==
+      3);
+  CHECK(refusal([&] { parse(solid(corner, false), true); }).find("triangles[3]") !=
+        std::string::npos);
 }
 
 TEST_CASE("gltf: triangles without area are left out, hulls of many corners simplified", "[gltf]") {

@@ -7,8 +7,10 @@
 #include "gltf_colliders.h"
 #include "gltf_extensions.h"
 #include "gltf_joints.h"
+#include "nearest_hull.h"
 #include "read_bytes.h"
 #include "reader.h"
+#include "rigid_parts.h"
 
 namespace tandem {
 namespace scene_files {
@@ -100,12 +102,13 @@ class GltfReader {
     const double size = parent.scale.cwiseAbs().maxCoeff();
     const bool even =
         (parent.scale - Vec3::Constant(parent.scale.x())).isZero(kGltfRoundOff * size);
-    if (!even && !turn.vec().isZero(kGltfRoundOff)) {
-      node.at("rotation").refuse("none below a scale that is uneven");
+    if (parent.sheared && !local.pose.position.isZero(0.0)) {
+      node.at("translation").refuse("none below a rotation that is below a scale that is uneven");
     }
     return {{parent.pose.to_world(parent.scale.cwiseProduct(local.pose.position)),
              (parent.pose.orientation * turn).normalized()},
-            parent.scale.cwiseProduct(local.scale)};
+            parent.scale.cwiseProduct(local.scale),
+            parent.sheared || (!even && !turn.vec().isZero(kGltfRoundOff))};
   }
 
   /// @return the solid of the node and its descendants
@@ -128,6 +131,8 @@ class GltfReader {
       if (!physics.has(key)) continue;
       const Place collider = physics.at(key);
       if (!collider.has("geometry")) continue;  // a trigger of other nodes, which have their own
+      // Frames of joints may have one: there the scale counts for the place alone.
+      if (at.sheared) node.refuse("without a rotation below a scale that is uneven");
       std::size_t to = owner.value_or(solids_.size());
       if (to == solids_.size()) solids_.push_back({name, at.pose, index, false, {}});
       collider.count(&SceneLimits::colliders);
@@ -136,29 +141,51 @@ class GltfReader {
     return owner;
   }
 
+  /// Of a moment of 0, which stands for infinity, to the largest other one.
+  static constexpr double kInfinite = 1e6;
+  static constexpr double kSmallBall = 4e-5;  ///< m^2, moment by mass of a ball of 1 cm
+
+  /// The hull of an open mesh, which has no volume; all other shapes as they are.
+  static collision::Shape closed(const Place& motion, const collision::Shape& shape) {
+    const auto* mesh = std::get_if<collision::Mesh>(&shape);
+    if (mesh == nullptr || (*mesh)->closed() || motion.strict()) return shape;
+    motion.warn("a mesh with a border has the mass of its hull");
+    const auto points = (*mesh)->vertices();
+    motion.count(&SceneLimits::hull_points, points.size());
+    return nearest_hull(points, false, [](const std::string&) {});
+  }
+
   /// Mass properties of a body, from its colliders unless its motion gives them.
   static collision::MassProperties weigh(const Place& motion, const Solid& solid) {
+    collision::MassProperties matter{.mass = 1.0, .inertia = 0.4 * pbd::Mat3::Identity()};
+    Vec3 moments = Vec3::Zero();
+    if (motion.has("inertiaDiagonal")) read(motion.at("inertiaDiagonal"), moments);
+    const bool own = motion.has("mass") && !moments.isZero(0.0);
     std::vector<collision::CompoundPart> parts;
     for (const collision::ColliderDef& def : solid.colliders) {
-      if (!def.sensor) parts.push_back({def.shape, def.local, 1000.0});
+      if (!own && !def.sensor) parts.push_back({closed(motion, def.shape), def.local, 1000.0});
     }
-    collision::MassProperties matter{.mass = 1.0, .inertia = 0.4 * pbd::Mat3::Identity()};
-    const bool own = motion.has("mass") && motion.has("inertiaDiagonal");
     if (!own && parts.empty()) motion.warn("no collider to weigh: inertia of a ball of 1 m");
-    if (!own && !parts.empty()) matter = collision::mass_properties(parts);
+    if (!parts.empty()) matter = collision::mass_properties(parts);
     if (motion.has("centerOfMass")) read(motion.at("centerOfMass"), matter.com);
     if (motion.has("mass")) {
       const double mass = motion.at("mass").number();
       matter.inertia *= mass / matter.mass;
       matter.mass = mass;
     }
-    if (motion.has("inertiaDiagonal")) {
-      Vec3 moments;
+    if (!moments.isZero(0.0)) {
       Quat turn = Quat::Identity();
-      read(motion.at("inertiaDiagonal"), moments);
       if (motion.has("inertiaOrientation")) read(motion.at("inertiaOrientation"), turn);
       const pbd::Mat3 axes = turn.normalized().toRotationMatrix();
+      for (double& moment : moments) {
+        if (moment == 0.0) moment = kInfinite * moments.maxCoeff();
+      }
       matter.inertia = axes * moments.asDiagonal() * axes.transpose();
+      const auto mended = mend_inertia(matter.inertia, kSmallBall * matter.mass);
+      if (mended && mended->change > kGltfRoundOff && !motion.strict()) {
+        motion.at("inertiaDiagonal").warn("no body has it: the nearest one is used");
+        matter.inertia = mended->inertia;
+      }
     }
     return matter;
   }
@@ -206,6 +233,15 @@ class GltfReader {
     def.twist = {solid.pose.orientation * linear, solid.pose.orientation * angular};
     if (kinematic) return;
     const collision::MassProperties matter = weigh(motion, solid);
+    if (motion.has("inertiaDiagonal")) {
+      Vec3 moments;
+      read(motion.at("inertiaDiagonal"), moments);
+      // About all axes alike, so that those of the world may be locked.
+      if (moments.isZero(0.0)) def.locks.angular.fill(true);
+      if (!moments.isZero(0.0) && (moments.array() == 0.0).any()) {
+        motion.at("inertiaDiagonal").warn("0 stands for infinity: 1e6 times the largest");
+      }
+    }
     def.mass = matter.mass;
     def.inertia = matter.inertia;
     def.origin = -matter.com;

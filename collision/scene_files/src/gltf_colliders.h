@@ -16,10 +16,11 @@ inline constexpr const char* kGltfPhysics = "KHR_physics_rigid_bodies";
 /// Round-off of single precision: of 0, and relative for equal numbers.
 inline constexpr double kGltfRoundOff = 1e-6;
 
-/// Where a node is, without shear.
+/// Where a node is.
 struct GltfFrame {
   Pose pose;
   Vec3 scale = Vec3::Ones();
+  bool sheared = false;  ///< turned below an uneven scale: pose and scale are not all of it
 };
 
 /// A rotation about x. @param angle  rad

@@ -3,11 +3,42 @@
 #include "gltf_meshes.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstdint>
+#include <span>
+#include <unordered_set>
 
 #include "nearest_hull.h"
 
 namespace tandem::scene_files {
+namespace {
+
+/// Leaves out triangles that have an edge, run in the same direction, of an earlier one. Equal
+/// positions are one corner. @return their number
+std::size_t leave_out_repeated(std::span<const Vec3> points,
+                               std::vector<collision::TriangleMesh::Triangle>& triangles) {
+  const auto before = [](const Vec3& l, const Vec3& r) {
+    return std::lexicographical_compare(l.data(), l.data() + 3, r.data(), r.data() + 3);
+  };
+  std::vector<Vec3> places(points.begin(), points.end());
+  std::sort(places.begin(), places.end(), before);
+  const auto place = [&](std::uint32_t corner) {
+    const auto at = std::lower_bound(places.begin(), places.end(), points[corner], before);
+    return static_cast<std::uint64_t>(at - places.begin());
+  };
+  std::unordered_set<std::uint64_t> used;
+  return std::erase_if(triangles, [&](const auto& t) {
+    std::array<std::uint64_t, 3> edges{};
+    for (std::size_t k = 0; k < 3; ++k) edges[k] = place(t[k]) << 32 | place(t[(k + 1) % 3]);
+    const auto known = [&](std::uint64_t edge) { return used.contains(edge); };
+    if (std::any_of(edges.begin(), edges.end(), known)) return true;
+    used.insert(edges.begin(), edges.end());
+    return false;
+  });
+}
+
+}  // namespace
 
 void GltfMeshes::add(const Place& primitive, Mesh& out) {
   if (primitive.has("mode") && primitive.at("mode").value() != 4) {
@@ -87,6 +118,11 @@ collision::Shape GltfMeshes::shape(const Place& index, const Vec3& scale, bool h
       return !collision::TriangleMesh::has_area(points[t[0]], points[t[1]], points[t[2]]);
     });
     if (flat > 0) index.warn(std::to_string(flat) + " triangles without area are left out");
+    const std::size_t twice = leave_out_repeated(points, triangles);
+    if (twice > 0) {
+      index.warn(std::to_string(twice) +
+                 " triangles with another one on the same side of an edge are left out");
+    }
   }
   return out = collision::TriangleMesh::make(points, triangles);
 }
