@@ -295,6 +295,16 @@ TEST_CASE("mjcf: elements unknown to MuJoCo's schema are left out and told", "[m
   CHECK(file.find_joint("k") != pbd::JointId{});
   CHECK(refusal([&] { parse_mjcf(text, {.strict = true}); }).find("unrecognized attribute") !=
         std::string::npos);
+  // Neither is how later versions integrate.
+  const std::string later =
+      "<mujoco><option integrator='implicitfast' gravity='0 0 -1'/><worldbody>"
+      "<light mode='targetbody' target='a'/><body name='a'><geom size='.1'/></body></worldbody>"
+      "</mujoco>";
+  SceneFile newer = parse_mjcf(later);
+  CHECK(is_told(newer, "<option>: \"implicitfast\" is not known to MuJoCo"));
+  CHECK(newer.scene.world().gravity() == Vec3(0.0, 0.0, -1.0));
+  CHECK(refusal([&] { parse_mjcf(later, {.strict = true}); }).find("implicitfast") !=
+        std::string::npos);
   // A range means a limit by now.
   SceneFile range = world(
       "<body><joint name='j' axis='0 1 0' range='-10 10'/><geom size='.1' pos='1 0 0'/></body>");

@@ -83,8 +83,7 @@ ModelPointer compile(const std::string& path, std::vector<mjcf::Document>& docum
     if (count == 0) {
       throw SceneFileError(pbd::detail::must_be(std::string(name) + ": text", "MJCF", error));
     }
-    warnings.push_back("<" + unknown->element +
-                       ">: " + (unknown->attribute.empty() ? "the element" : unknown->attribute) +
+    warnings.push_back("<" + unknown->element + ">: " + unknown->title() +
                        " is not known to MuJoCo " + mj_versionString() + ", and left out (" +
                        std::to_string(count) + " times)");
   }

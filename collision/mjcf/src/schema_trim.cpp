@@ -64,6 +64,16 @@ std::vector<Range> find(const SchemaViolation& what, std::string_view text) {
       depth += tag.opens ? 1 : 0;
       depth -= tag.closes ? 1 : 0;
     } else if (tag.opens && element_of(tag.text) == what.element) {
+      if (!what.value.empty()) {
+        for (const char* name : {"integrator", "cone", "jacobian", "solver"}) {
+          const Range range = attribute_range(tag.text, name);
+          const bool found =
+              tag.text.substr(range.begin, range.end - range.begin).find(what.value) !=
+              std::string_view::npos;
+          if (found) out.push_back({at + range.begin, at + range.end});
+        }
+        return;
+      }
       if (!what.attribute.empty()) {
         const Range range = attribute_range(tag.text, what.attribute);
         if (range.end > range.begin) out.push_back({at + range.begin, at + range.end});
@@ -84,18 +94,31 @@ std::vector<Range> find(const SchemaViolation& what, std::string_view text) {
   return out;
 }
 
+std::size_t number_after(std::string_view message, std::string_view before) {
+  std::size_t out = 0;
+  const std::size_t at = message.find(before);
+  if (at == message.npos) return out;
+  const std::string_view number = message.substr(at + before.size());
+  std::from_chars(number.data(), number.data() + number.size(), out);
+  return out;
+}
+
 }  // namespace
 
 std::optional<SchemaViolation> schema_violation(std::string_view message) {
+  // How later versions integrate, solve and light is of no concern here.
+  if (message.find(" in light '") != message.npos) {
+    return SchemaViolation{.element = "light", .line = number_after(message, ", line = ")};
+  }
+  if (message.find("invalid keyword: '") != message.npos &&
+      quoted(message, "Element '") == "option") {
+    return SchemaViolation{.element = "option", .value = quoted(message, "invalid keyword: '")};
+  }
   SchemaViolation out{.element = quoted(message, "Element '"),
                       .attribute = quoted(message, "unrecognized attribute: '")};
   const bool known = !out.attribute.empty() || message.find("unrecognized element") != message.npos;
   if (!known || out.element.empty()) return {};
-  const std::size_t line = message.find(", line ");
-  if (line != message.npos) {
-    const std::string_view number = message.substr(line + 7);
-    std::from_chars(number.data(), number.data() + number.size(), out.line);
-  }
+  out.line = number_after(message, ", line ");
   return out;
 }
 
@@ -107,7 +130,7 @@ std::size_t blank_out(const SchemaViolation& what, std::vector<Document>& docume
     document.changed = document.changed || !ranges.empty();
     count += ranges.size();
     // Line numbers are the model's.
-    if (what.attribute.empty()) break;
+    if (what.attribute.empty() && what.value.empty()) break;
   }
   return count;
 }

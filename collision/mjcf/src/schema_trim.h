@@ -17,11 +17,19 @@ struct Document {
   bool changed = false;
 };
 
-/// An element or attribute that MuJoCo's schema does not know, by MuJoCo's message.
+/// An element, an attribute or a keyword of <option> that MuJoCo does not know, or a light that it
+/// does not accept, by MuJoCo's message.
 struct SchemaViolation {
   std::string element;
-  std::string attribute;  ///< empty: the element itself is unknown
-  std::size_t line = 0;   ///< line in the model; 0: in an included file, or unknown
+  std::string attribute = {};  ///< empty: the element itself is unknown
+  std::string value = {};      ///< keyword of any attribute
+  std::size_t line = 0;        ///< line in the model; 0: in an included file, or unknown
+
+  /// What is left out, in words.
+  std::string title() const {
+    if (!value.empty()) return '"' + value + '"';
+    return attribute.empty() ? "the element" : attribute;
+  }
 };
 std::optional<SchemaViolation> schema_violation(std::string_view message);
 
