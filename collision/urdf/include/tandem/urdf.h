@@ -2,6 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -32,7 +33,7 @@ struct TANDEM_API UrdfOptions {
   /// Whether joints that mimic another one are coupled to it (pbd::JointCoupling). No scene file
   /// has couplings: write_scene() refuses such a scene. Otherwise they move freely, with a warning.
   bool mimic = true;
-  SceneLimits limits = {};
+  SceneLimits limits = {.hull_points = std::size_t{1} << 20};  ///< meshes of hands have 1e4 each
 };
 
 /// Reads a robot from URDF with Debian's urdfdom. Links become bodies, at zero of all joints or as
