@@ -231,12 +231,11 @@ inline void set_force_law(ForceLaw& law, const JointAxis& axis, double c_start, 
   law.powered = is_powered(axis);
 }
 
-/// Adds the inertia of a coordinate, in the real channel: by itself it would go on at the rate of
-/// the start, and a force proportional to the difference keeps it back.
-/// @param rate  m/s or rad/s, at the start of the substep, before forces
-inline void add_armature(ForceLaw& law, double armature, double c_start, double rate, double h) {
+/// Adds the inertia of a coordinate, in the real channel: a force in proportion to the difference
+/// from the value to which it goes on without one.
+inline void add_armature(ForceLaw& law, double armature, double ahead) {
   const double k = law.spring_k + armature;
-  law.spring_target = (law.spring_k * law.spring_target + armature * (c_start + h * rate)) / k;
+  law.spring_target = (law.spring_k * law.spring_target + armature * ahead) / k;
   law.spring_k = k;
   law.powered = true;
 }

@@ -5,6 +5,8 @@
 // corners, who meets whom, joints in their order, and what a flag turns off.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -71,6 +73,51 @@ TEST_CASE("mjcf: of meshes with many corners, or flat ones, the nearest hull is 
     CHECK(refusal([&] { parse_mjcf(text, {.strict = true}); }).find("ConvexHull") !=
           std::string::npos);
   }
+}
+
+TEST_CASE("mjcf: an ellipsoid lies on its flat side within 1.4 % of its height", "[mjcf]") {
+  SceneFile file = world(
+      "<geom type='plane' size='5 5 1'/><body name='stone' pos='0 0 .12' euler='0 90 0'>"
+      "<freejoint/><geom type='ellipsoid' size='.1 .2 .3'/></body>");
+  CHECK(is_told(file, "ellipsoid"));
+  const double volume = 4.0 / 3.0 * std::numbers::pi * 0.1 * 0.2 * 0.3;
+  CHECK(file.scene.world().props(file.find("stone")).mass == Approx(1000.0 * volume));
+  run(file, 4.0);
+  CHECK(std::abs(file.pose("stone").position.z() - 0.1) < 0.0014);
+}
+
+/// MuJoCo's binary form of a height field.
+std::string elevations(std::int32_t rows, std::int32_t columns, const std::vector<float>& data) {
+  std::string out(8 + 4 * data.size(), '\0');
+  std::memcpy(out.data(), &rows, 4);
+  std::memcpy(out.data() + 4, &columns, 4);
+  std::memcpy(out.data() + 8, data.data(), 4 * data.size());
+  return out;
+}
+
+TEST_CASE("mjcf: balls lie on a height field as high as it is there", "[mjcf]") {
+  std::vector<float> data;
+  for (int row = 0; row < 5; ++row) {
+    // A plateau where x > 0 and y > 0.
+    for (int column = 0; column < 9; ++column)
+      data.push_back(row >= 3 && column >= 5 ? 1.0F : 0.0F);
+  }
+  const tandem::testing::Folder folder;
+  folder.write("field.bin", elevations(5, 9, data));
+  const auto ball = [](const std::string& name, const std::string& place) {
+    return "<body name='" + name + "' pos='" + place +
+           "'><freejoint/><geom type='sphere' size='.1'/></body>";
+  };
+  const std::string text =
+      "<mujoco><asset><hfield name='f' file='field.bin' size='2 1 .5 .1'/></asset><worldbody>"
+      "<geom type='hfield' hfield='f' pos='0 0 1'/>" +
+      ball("both", "1.5 .75 1.7") + ball("x", "1.5 -.75 1.2") + ball("y", "-1.5 .75 1.2") +
+      "</worldbody></mujoco>";
+  SceneFile file = tandem::load_mjcf(folder.write("model.xml", text));
+  run(file, 2.0);
+  CHECK(file.pose("both").position.z() == Approx(1.6).margin(1e-3));
+  CHECK(file.pose("x").position.z() == Approx(1.1).margin(1e-3));
+  CHECK(file.pose("y").position.z() == Approx(1.1).margin(1e-3));
 }
 
 TEST_CASE("mjcf: points within a mesh's hull do not count", "[mjcf]") {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "couple_joints.h"
 #include "mjcf_actuators.h"
 #include "mjcf_between.h"
-#include "nearest_hull.h"
 #include "start_in_range.h"
 
 namespace tandem::mjcf {
@@ -122,30 +122,10 @@ void Reader::add_geom(int g, const Filters& filters) {
       .material = {.friction = friction(g), .friction_rule = collision::Combine::Maximum},
       .filter = filters[g]};
   def.filter.group = body.group;
-  def.local.position += out_.scene.world().props(id).origin;
-  const mjtNum* size = m_.geom_size + 3 * g;
-  switch (m_.geom_type[g]) {
-    case mjGEOM_PLANE:
-      def.shape = HalfSpace{};
-      break;
-    case mjGEOM_SPHERE:
-      def.shape = Sphere{size[0]};
-      break;
-    case mjGEOM_CAPSULE:
-      def.shape = Capsule{.radius = size[0], .half_height = size[1]};
-      break;
-    case mjGEOM_CYLINDER:
-      def.shape = Cylinder{.radius = size[0], .half_height = size[1]};
-      break;
-    case mjGEOM_BOX:
-      def.shape = Box(vec(size));
-      break;
-    case mjGEOM_MESH:
-      def.shape = hull(g);
-      break;
-    default:
-      return model_.warn(mjOBJ_GEOM, g, "ellipsoids and height fields are not read");
-  }
+  const std::optional<collision::Shape> shape = shapes_.of(g);
+  if (!shape) return;
+  def.shape = *shape;
+  def.local.position = def.local.to_world(origin_of(m_, g)) + out_.scene.world().props(id).origin;
   scene_files::require_within(model_.where(mjOBJ_GEOM, g), limits_.add(&SceneLimits::colliders));
   model_.guard(mjOBJ_GEOM, g, [&] { return out_.scene.shapes().add(out_.scene.world(), def); });
 }
@@ -168,33 +148,6 @@ double Reader::friction(int g) {
     model_.warn(mjOBJ_GEOM, g, "condim 4 and 6: contacts do not resist turning and rolling");
   }
   return sliding;
-}
-
-/// MuJoCo's contacts use hulls, too.
-collision::Hull Reader::hull(int g) {
-  const int mesh = m_.geom_dataid[g];
-  collision::Hull& known = hulls_[mesh];
-  if (known != nullptr) return known;
-  // For colliding meshes MuJoCo knows the corners of the hull: a few of a scan's thousands.
-  const int* graph = m_.mesh_graphadr[mesh] < 0 ? nullptr : m_.mesh_graph + m_.mesh_graphadr[mesh];
-  const int count = graph == nullptr ? m_.mesh_vertnum[mesh] : graph[0];
-  scene_files::require_within(
-      model_.where(mjOBJ_MESH, mesh),
-      limits_.add(&SceneLimits::hull_points, static_cast<std::size_t>(count)));
-  std::vector<Vec3> points;
-  for (int i = 0; i < count; ++i) {
-    // After the numbers of corners and faces, and an address per corner.
-    const int vertex = graph == nullptr ? i : graph[2 + count + i];
-    const float* p = m_.mesh_vert + 3 * (m_.mesh_vertadr[mesh] + vertex);
-    points.emplace_back(p[0], p[1], p[2]);
-  }
-  const auto tell = [&](const std::string& off) {
-    model_.warnings.add("mesh", model_.title(mjOBJ_MESH, mesh) + ' ' + off,
-                        scene_files::kNearestHull);
-  };
-  return known = model_.guard(mjOBJ_GEOM, g, [&] {
-    return scene_files::nearest_hull(points, options_.strict, tell);
-  });
 }
 
 void Reader::add_joints(int b) {

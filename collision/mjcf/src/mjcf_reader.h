@@ -2,13 +2,13 @@
 // Copyright (c) 2026 The Tandem authors
 #pragma once
 
-#include <map>
 #include <vector>
 
 #include "limit_count.h"
 #include "mjcf_filters.h"
 #include "mjcf_joints.h"
 #include "mjcf_model.h"
+#include "mjcf_shapes.h"
 #include "rigid_parts.h"
 #include "tandem/mjcf.h"
 
@@ -45,7 +45,6 @@ class Reader {
   void damp(int body, pbd::BodyDef& def);
   void add_geom(int geom, const Filters& filters);
   double friction(int geom);
-  collision::Hull hull(int geom);
   void add_joints(int body);
   void tell_free_joint(int joint);
   void start();
@@ -61,9 +60,9 @@ class Reader {
   SceneFile& out_;
   const MjcfOptions& options_;
   std::vector<Body> bodies_;
-  std::map<int, collision::Hull> hulls_;
   std::vector<BodyJoint> joints_;
   scene_files::LimitCount limits_;
+  Shapes shapes_{model_, options_, limits_};
 };
 
 }  // namespace tandem::mjcf

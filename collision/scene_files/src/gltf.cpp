@@ -177,8 +177,9 @@ class GltfReader {
       Quat turn = Quat::Identity();
       if (motion.has("inertiaOrientation")) read(motion.at("inertiaOrientation"), turn);
       const pbd::Mat3 axes = turn.normalized().toRotationMatrix();
+      const double infinite = kInfinite * moments.maxCoeff();
       for (double& moment : moments) {
-        if (moment == 0.0) moment = kInfinite * moments.maxCoeff();
+        if (moment == 0.0) moment = infinite;
       }
       matter.inertia = axes * moments.asDiagonal() * axes.transpose();
       const auto mended = mend_inertia(matter.inertia, kSmallBall * matter.mass);
