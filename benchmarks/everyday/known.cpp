@@ -21,6 +21,8 @@ constexpr std::string_view kE2 = "some rock from edge to edge for longer than th
 constexpr std::string_view kE10 =
     "plates that begin 10 mm inside each other are pushed apart; the house stands that at no speed "
     "from 4 m/s to 1 cm/s, and with 5 mm of overlap left alone four of ten do";
+constexpr std::string_view kRocks =
+    "in one or two heaps of 100 a cube rocks on between two supports that lie close together";
 constexpr std::string_view kWay =
     "of 0.5 mm in half a second nearly all may lie in half of it: up to 1.8 mm/s there";
 constexpr std::string_view kRolls =
@@ -30,7 +32,7 @@ constexpr std::string_view kRolls =
 constexpr Known kKnown[] = {
     {"E2", "hulls of random points", "", "", kE2},
     {"E10", "house of 40 cards of 1 cm", "", "", kE10},
-    {"E14", "heap of 60 cubes", "", "speed of what falls asleep", kWay},
+    {"E14", "heap of 60 cubes", "", "awake after 6 s", kRocks},
     {"E14", "heap of 200 cubes", "", "speed of what falls asleep", kWay},
     {"E14", "heap of 30 cans", "", "awake after 6 s", kRolls},
     {"E14", "ten pins", "", "awake after 6 s", kRolls},
