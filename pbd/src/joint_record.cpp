@@ -110,10 +110,8 @@ void JointRecord::refresh() {
   resolve();
   used = 0;
   passive = true;
-  rotors = false;
   for (int c = 0; c < kCoordinates; ++c) {
     const JointAxis& a = axis(c);
-    rotors = rotors || a.armature > 0.0;
     if (a.compliance > 0.0 || a.armature > 0.0 || is_powered(a)) passive = false;
     if (a.freedom != Freedom::Free || a.motor.mode != MotorMode::Off || a.spring.stiffness > 0.0 ||
         a.spring.damping > 0.0 || a.spring.frequency > 0.0 || a.armature > 0.0) {

@@ -53,11 +53,10 @@ struct JointRecord {
   int turning = 0;            ///< the only free angular axis; 0 (x) if there is none
   bool point = false;         ///< all displacements locked alike: rows along the world's axes
   bool passive = true;        ///< it neither stores nor supplies energy
-  bool rotors = false;        ///< some coordinate has an armature
   bool alive = false;
 
   bool active() const { return alive && def.enabled && !state.broken; }
-  /// Recomputes `axes`, `used`, `turning`, `point`, `passive` and `rotors` from the definition;
+  /// Recomputes `axes`, `used`, `turning`, `point` and `passive` from the definition;
   /// unused coordinates lose their residual.
   void refresh();
   /// The coordinate of turns about `turning` (0), and of the axes after it (1, 2).

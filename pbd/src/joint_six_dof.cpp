@@ -17,6 +17,13 @@ double rate_of(const JointRows& rows, int i, const SolverBody& a, const SolverBo
   return rows.dir.col(i).dot(b.v - a.v) + rows.arm_b.col(i).dot(b.w) - rows.arm_a.col(i).dot(a.w);
 }
 
+bool has_armature(const JointRecord& record) {
+  bool any = false;
+  if (record.passive) return any;
+  for_bits(record.used, [&](int i) { any = any || record.axis(i).armature > 0.0; });
+  return any;
+}
+
 /// A body where it was before the last substep of this length, s. Free rotation changes its spin
 /// within a substep, which begins with the old one and ends with the new.
 SolverBody before(const SolverBody& body, double h) {
@@ -135,7 +142,7 @@ void begin(const JointPart& part) {
                     ctx.h);
       }
     });
-    if (record.rotors && part.progress.channel == JointChannel::Real)
+    if (part.progress.channel == JointChannel::Real && has_armature(record))
       add_armature(record, rows, a, b, ctx.h);
   });
 }
