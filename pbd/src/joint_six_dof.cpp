@@ -2,7 +2,7 @@
 // Copyright (c) 2026 The Tandem authors
 #include "joint_six_dof.h"
 
-#include "integrate.h"
+#include "joint_armature.h"
 #include "joint_spring.h"
 
 namespace tandem::pbd::joint_six_dof {
@@ -15,41 +15,6 @@ constexpr double kSteepest = 2.0;
 /// Rate of a coordinate.
 double rate_of(const JointRows& rows, int i, const SolverBody& a, const SolverBody& b) {
   return rows.dir.col(i).dot(b.v - a.v) + rows.arm_b.col(i).dot(b.w) - rows.arm_a.col(i).dot(a.w);
-}
-
-bool has_armature(const JointRecord& record) {
-  bool any = false;
-  if (record.passive) return any;
-  for_bits(record.used, [&](int i) { any = any || record.axis(i).armature > 0.0; });
-  return any;
-}
-
-/// A body where it was before the last substep of this length, s. Free rotation changes its spin
-/// within a substep, which begins with the old one and ends with the new.
-SolverBody before(const SolverBody& body, double h) {
-  SolverBody earlier = body;
-  earlier.x -= h * body.v;
-  Vec3 spin = body.w;
-  if (body.inv_inertia_w.determinant() > 0.0) {
-    const Vec3 momentum = body.inv_inertia_w.inverse() * body.w;
-    spin -= 0.5 * h * (body.inv_inertia_w * momentum.cross(body.w));
-  }
-  earlier.q = rotated_about(body.q, -h * spin);
-  return earlier;
-}
-
-/// Adds inertia of coordinates to the laws of a joint. Without force they go on at the rate of the
-/// last substep, which is that between its poses: by gradients of this one it would be off by half
-/// of what the joint's turning changes in them, at any length of substep.
-void add_armature(const JointRecord& record, JointRows& rows, const SolverBody& a,
-                  const SolverBody& b, double h) {
-  double c[kCoordinates];
-  coordinates(record, before(a, h), before(b, h), record.twist, c);
-  for_bits(record.used, [&](int i) {
-    const double armature = record.axis(i).armature;
-    const double ahead = 2.0 * rows.start[i] - c[i];
-    if (armature > 0.0) add_armature(rows.law[i], armature, ahead);
-  });
 }
 
 }  // namespace
@@ -142,8 +107,7 @@ void begin(const JointPart& part) {
                     ctx.h);
       }
     });
-    if (part.progress.channel == JointChannel::Real && has_armature(record))
-      add_armature(record, rows, a, b, ctx.h);
+    if (part.progress.channel == JointChannel::Real) add_armature(record, rows, a, b, ctx.h);
   });
 }
 
