@@ -56,13 +56,6 @@ SolverBody standing(const World& world, BodyId id) {
   return body;
 }
 
-void normalize_turns(SixDofJointDef& def) {
-  def.frame_a.basis.normalize();
-  def.frame_b.basis.normalize();
-  def.drive.spring.rest.normalize();
-  def.drive.motor.target.normalize();
-}
-
 }  // namespace
 
 JointBlock::JointBlock() : impl_(std::make_unique<Impl>()) {}
@@ -71,10 +64,8 @@ JointBlock::~JointBlock() = default;
 JointId JointBlock::add(const World& world, const SixDofJointDef& def) {
   check_joint(world, def);
   JointRecord record;
-  record.def = def;
-  normalize_turns(record.def);
+  record.assign(def);
   record.alive = true;
-  record.refresh();
   weigh_springs(record, world);
   record.start(standing(world, def.a), standing(world, def.b));
   impl_->dirty = true;
@@ -102,10 +93,8 @@ void JointBlock::set(const World& world, JointId id, const SixDofJointDef& def) 
   check_joint(world, def);
   detail::require(def.a == record.def.a, "joint", "a", def.a.index, "the body it was added with");
   detail::require(def.b == record.def.b, "joint", "b", def.b.index, "the body it was added with");
-  record.def = def;
-  normalize_turns(record.def);
   const int turned = record.turning;
-  record.refresh();
+  record.assign(def);
   weigh_springs(record, world);
   if (record.turning != turned)
     record.twist = record.state.position[static_cast<std::size_t>(record.turn(0))];
@@ -259,12 +248,14 @@ void JointBlock::end_step(const SubstepContext& ctx, std::span<double> wanted) {
       record.energy_excess = 0.0;
       record.displacement_residual.fill(0.0);
       record.clear_forces();
+      record.last.rotors_known = false;
       continue;
     }
     record.tell(body_a, c);
     state.residual = 0.0;
     if ((!record.active() && !record.broke) || !Impl::is_solved(record, ctx.bodies)) {
       record.clear_forces();
+      record.last.rotors_known = false;
     }
     if (!record.active()) continue;
     const bool left = is_pushed(record, ctx.bodies);

@@ -108,6 +108,11 @@ struct ForceLaw {
     return {};
   }
 
+  /// The coordinate at a multiplier, with a spring or armature: its graph then has one.
+  double coordinate(double lambda) const {
+    const Segment s = segment(0.0, lambda);
+    return s.target - s.at * (lambda - s.offset);
+  }
   /// The change of the multiplier that a row alone asks for: along the graph, which has at most
   /// five pieces, and two more with a servo.
   double multiplier(double c, double lambda, double w) const {
@@ -231,8 +236,8 @@ inline void set_force_law(ForceLaw& law, const JointAxis& axis, double c_start, 
   law.powered = is_powered(axis);
 }
 
-/// Adds the inertia of a coordinate, in the real channel: a force in proportion to the difference
-/// from the value to which it goes on without one.
+/// Adds a rotor's inertia, in the real channel: a force in proportion to the difference from the
+/// value to which the rotor goes on without one.
 inline void add_armature(ForceLaw& law, double armature, double ahead) {
   const double k = law.spring_k + armature;
   law.spring_target = (law.spring_k * law.spring_target + armature * ahead) / k;

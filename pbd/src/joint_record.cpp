@@ -31,9 +31,9 @@ void record_fields(auto& io, auto& record, auto& def, auto& state) {
      motor.mode, motor.velocity, motor.target, motor.max_torque, motor.max_speed,
      def.drive.friction, def.drive.armature, record.drive.start);
   io(record.alive, record.displacement_residual, record.twist, record.gap.least, record.gap.stalled,
-     record.energy_excess, record.h, record.spring_mass);
-  io(state.position, state.swing, record.forces, state.force, state.torque, state.residual,
-     state.broken);
+     record.energy_excess, record.last.h, record.spring_mass);
+  io(state.position, state.swing, record.last.forces, record.last.rotors, record.last.rotors_known,
+     state.force, state.torque, state.residual, state.broken);
 }
 
 }  // namespace
@@ -99,6 +99,20 @@ void JointRecord::begin_drive(const SolverBody& a, const SolverBody& b, double s
   }
 }
 
+void JointRecord::assign(const SixDofJointDef& from) {
+  def = from;
+  def.frame_a.basis.normalize();
+  def.frame_b.basis.normalize();
+  def.drive.spring.rest.normalize();
+  def.drive.motor.target.normalize();
+  const auto earlier = axes;
+  refresh();
+  for (int c = 0; c < kCoordinates; ++c) {
+    if (axis(c).armature != earlier[static_cast<std::size_t>(c)].armature)
+      last.rotors_known = false;
+  }
+}
+
 void JointRecord::refresh() {
   const auto locks = [&](int axis) {
     return def.angular[static_cast<std::size_t>(axis % 3)].freedom == Freedom::Locked;
@@ -156,7 +170,7 @@ void all_coordinates(const JointRecord& record, const SolverBody& a, const Solve
 }
 
 void JointRecord::clear_forces() {
-  forces.fill(0.0);
+  last.forces.fill(0.0);
   state.load.fill(0.0);
   state.force.setZero();
   state.torque.setZero();
@@ -239,10 +253,10 @@ void JointRecord::load(ByteReader& in) {
   }
   if (def.drive.motor.mode > MotorMode::Position) in.fail();
   refresh();
-  std::copy_n(forces.begin(), state.load.size(), state.load.begin());
+  std::copy_n(last.forces.begin(), state.load.size(), state.load.begin());
   bool finite = state.force.allFinite() && state.torque.allFinite();
   for (const double value :
-       {twist, def.start, gap.least, energy_excess, h, state.swing, state.residual}) {
+       {twist, def.start, gap.least, energy_excess, last.h, state.swing, state.residual}) {
     finite = finite && std::isfinite(value);
   }
   const auto check = [&](const auto& values) {
@@ -252,8 +266,9 @@ void JointRecord::load(ByteReader& in) {
   check(state.position);
   check(spring_mass);
   check(drive.start.coeffs());
-  check(forces);
-  if (!finite || h < 0.0 || gap.least < 0.0) in.fail();
+  check(last.forces);
+  check(last.rotors);
+  if (!finite || last.h < 0.0 || gap.least < 0.0) in.fail();
 }
 
 }  // namespace tandem::pbd

@@ -25,14 +25,24 @@ struct JointStart {
   Vec3 spin = Vec3::Zero();  ///< rad/s, of b relative to a
 };
 
+/// What the last substep leaves for the next one.
+struct JointLast {
+  double h = 0.0;  ///< s, its length; 0 before the first
+  /// N or N m, of each coordinate's row, on body b.
+  std::array<double, kCoordinates> forces{};
+  /// m/s or rad/s, of rotors: of coordinates with an armature, as their rows have moved them. Later
+  /// rows move the bodies, but no rotor.
+  std::array<double, kCoordinates> rotors{};
+  bool rotors_known = false;  ///< else they turn with the bodies
+};
+
 struct JointRecord {
   SixDofJointDef def;
   JointState state;
   /// Left by agreement and later rows, per coordinate.
   std::array<double, kCoordinates> displacement_residual{};
   std::array<double, kCoordinates> bound{};  ///< value at which the displacement channel holds it
-  /// N or N m, of each coordinate's row in the last substep, on body b.
-  std::array<double, kCoordinates> forces{};
+  JointLast last;
   double twist = 0.0;  ///< rad, about axis `turning`, counting turns
   /// kg or kg m^2, per coordinate whose spring has a frequency; see weigh_springs().
   std::array<double, kCoordinates> spring_mass{};
@@ -40,7 +50,6 @@ struct JointRecord {
   /// J: gain of the part whose first joint this is; in a part with loops, for its second joint, the
   /// energy that contacts may still lose. See limit_energy_gain().
   double energy_excess = 0.0;
-  double h = 0.0;      ///< s, length of the last substep; 0 before the first
   JointStart before;   ///< at the start of the step
   bool broke = false;  ///< in this step
   JointDrive drive;
@@ -56,6 +65,8 @@ struct JointRecord {
   bool alive = false;
 
   bool active() const { return alive && def.enabled && !state.broken; }
+  /// Takes a definition over, by refresh(); rotors that change turn with the bodies again.
+  void assign(const SixDofJointDef& from);
   /// Recomputes `axes`, `used`, `turning`, `point` and `passive` from the definition;
   /// unused coordinates lose their residual.
   void refresh();

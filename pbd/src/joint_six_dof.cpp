@@ -2,7 +2,6 @@
 // Copyright (c) 2026 The Tandem authors
 #include "joint_six_dof.h"
 
-#include "joint_armature.h"
 #include "joint_spring.h"
 
 namespace tandem::pbd::joint_six_dof {
@@ -106,8 +105,12 @@ void begin(const JointPart& part) {
         tune_spring(rows.law[i], axis.spring, record.spring_mass[i], c[i], rate_of(rows, i, a, b),
                     ctx.h);
       }
+      if (axis.armature > 0.0) {
+        const double rate =
+            record.last.rotors_known ? record.last.rotors[i] : rate_of(rows, i, a, b);
+        add_armature(rows.law[i], axis.armature, c[i] + ctx.h * rate);
+      }
     });
-    if (part.progress.channel == JointChannel::Real) add_armature(record, rows, a, b, ctx.h);
   });
 }
 
@@ -317,7 +320,7 @@ void warm_start(const JointPart& part, bool brakes_only) {
     double* right = &part.all.right[plan.right];
     node.n = 0;
     for_bits(part.records[plan.joint].used, [&](int i) {
-      const double lambda = rows.law[i].nearest(h2 * part.records[plan.joint].forces[i]);
+      const double lambda = rows.law[i].nearest(h2 * part.records[plan.joint].last.forces[i]);
       if (lambda == 0.0 || (brakes_only && !rows.law[i].is_corner(lambda))) return;
       rows.coordinate[node.n] = static_cast<std::uint8_t>(i);
       right[node.n++] = node.lambda[i] = lambda;

@@ -58,7 +58,7 @@ void weigh_springs(JointRecord& record, const World& world) {
       for (int s = 0; s < n; ++s) values[r * n + s] = mobility(rows, a, b, row[r], row[s]);
     }
     block::invert(values, n);
-    record.spring_mass[i] = values[n * n - 1];
+    record.spring_mass[i] = values[n * n - 1] + record.axis(i).armature;
   });
   record.resolve();
 }

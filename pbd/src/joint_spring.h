@@ -10,8 +10,8 @@ namespace tandem::pbd {
 class World;
 
 /// Sets JointRecord::spring_mass of coordinates with such a spring: the mass (kg) or inertia (kg
-/// m^2) that moves with the coordinate while the rigid locks hold, at the current poses; for a
-/// door, the inertia about its hinge. 0 if neither body moves.
+/// m^2) that moves with the coordinate while the rigid locks hold, at the current poses, and its
+/// armature; for a door, the inertia about its hinge. 0 if neither body moves.
 void weigh_springs(JointRecord& record, const World& world);
 
 /// Replaces the spring in `law` by one of given frequency. A single mass on it passes through

@@ -28,8 +28,8 @@ void resync_leapfrog(const JointPart& part) {
   double before = 0.0;
   part.for_nodes([&](std::uint32_t, const JointGraph::Node& plan, const JointNode&) {
     if (plan.joint == JointGraph::kNone) return;
-    if (before == 0.0) before = part.records[plan.joint].h;
-    part.records[plan.joint].h = ctx.h;
+    if (before == 0.0) before = part.records[plan.joint].last.h;
+    part.records[plan.joint].last.h = ctx.h;
   });
   if (before == 0.0 || before == ctx.h) return;
   part.for_bodies([&](const JointSlot& slot, SolverBody& body) {
@@ -191,10 +191,16 @@ void JointSystem::finish(std::uint32_t p, std::span<JointRecord> records,
     state.force = inverse_h2 * part.impulse(k, record.used);
     for_bits(record.used, [&](int i) {
       const double load = inverse_h2 * node.lambda[i];
-      record.forces[i] = load;
+      record.last.forces[i] = load;
       if (i < 6) state.load[i] = load;
       if (i >= 3) state.torque += load * data_.rows[k].arm_b.col(i);
+      if (record.axis(i).armature > 0.0) {
+        const JointRows& rows = data_.rows[k];
+        const double moved = rows.law[i].coordinate(node.lambda[i]) - rows.start[i];
+        record.last.rotors[i] = moved / ctx.h;
+      }
     });
+    record.last.rotors_known = true;
     const SixDofJointDef& def = record.def;
     state.broken = (def.break_force > 0.0 && state.force.norm() > def.break_force) ||
                    (def.break_torque > 0.0 && state.torque.norm() > def.break_torque);

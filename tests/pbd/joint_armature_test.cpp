@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Copyright (c) 2026 The Tandem authors
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "joint_fixture.h"
@@ -77,6 +78,47 @@ TEST_CASE("joint armature: a sled and a top with rotors move as with more inerti
     CHECK(world.pose(top).orientation.angularDistance(Quat::Identity()) ==
           Approx(0.3 * (1.0 - std::cos(std::sqrt(10.0 / 1.0) * t))).margin(3e-3));
   }
+}
+
+TEST_CASE("joint armature: a spring of a frequency keeps it, with rotors of any size",
+          "[pbd][joint][armature][analytic]") {
+  const double armature = GENERATE(0.0, 0.1, 10.0);
+  CAPTURE(armature);
+  World world(weightless());
+  Solver solver({.sleep_after = 0.0});
+  JointBlock& joints = world.add_block<JointBlock>();
+  const BodyId door = world.add_body({.inertia = 0.4 * Mat3::Identity()});
+  HingeJointDef def = hinge_joint_at(world, {}, door, Vec3::Zero(), Vec3::UnitZ());
+  def.axis.spring = {.rest = 0.2, .frequency = 1.5, .damping_ratio = 0.0};
+  def.axis.armature = armature;
+  const JointId hinge = joints.add(world, def);
+  for (int i = 0; i < 120; ++i) {
+    solver.step(world, kFrame);
+    const double turned = 2.0 * std::numbers::pi * 1.5 * (i + 1) * kFrame;
+    CHECK(joints.hinge_angle(hinge) == Approx(0.2 * (1.0 - std::cos(turned))).margin(4e-3));
+  }
+}
+
+TEST_CASE("joint armature: a blow on an arm is shared with its rotor",
+          "[pbd][joint][armature][analytic]") {
+  // The rotor must not take the arm's new speed for nothing, as when a contact turns the arm.
+  const double armature = GENERATE(0.001, 0.1, 1.0);
+  const double frame = GENERATE(1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0);
+  CAPTURE(armature, frame);
+  World world(weightless());
+  Solver solver({.sleep_after = 0.0});
+  JointBlock& joints = world.add_block<JointBlock>();
+  const BodyId arm = world.add_body({.inertia = 0.01 * Mat3::Identity()});
+  HingeJointDef def = hinge_joint_at(world, {}, arm, Vec3::Zero(), Vec3::UnitZ());
+  def.axis.armature = armature;
+  joints.add(world, def);
+  world.set_twist(arm, {Vec3::Zero(), Vec3(0.0, 0.0, 2.0)});
+  solver.step(world, frame);
+  const double momentum = (0.01 + armature) * world.twist(arm).angular.z();
+  world.apply_angular_impulse(arm, Vec3(0.0, 0.0, -0.03));
+  for (int i = 0; i < 30; ++i) solver.step(world, frame);
+  CHECK((0.01 + armature) * world.twist(arm).angular.z() ==
+        Approx(momentum - 0.03).margin(1e-4 * momentum));
 }
 
 TEST_CASE("joint armature: a swinging arm with a rotor at its elbow keeps its energy",

@@ -74,7 +74,8 @@ struct TANDEM_API JointAxis {
   /// motor that is on replaces it, unless it is a servo.
   double friction = 0.0;
   /// kg or kg m^2, >= 0, none where Locked: inertia of the coordinate alone, as of a motor behind a
-  /// gear. Contacts do not feel it, and World::kinetic_energy() does not count it.
+  /// gear. Contacts do not feel it, World::set_twist() does not move it, and
+  /// World::kinetic_energy() does not count it.
   double armature = 0.0;
 };
 
