@@ -98,7 +98,7 @@ function(_tandem_shared target)
     # user, so a module does not export those of another. Typeinfo of another's classes, and virtual tables
     # of those that are all inline, are in each DLL that uses them, and exported; typeinfo is equal by name.
     target_compile_definitions(${target} PRIVATE TANDEM_DLL)
-    target_compile_options(${target} PRIVATE -fno-keep-inline-dllexport)
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-keep-inline-dllexport>)
     return()
   endif()
   set_target_properties(${target} PROPERTIES

@@ -82,6 +82,21 @@ std::string Argument::text() {
   return std::string(text);
 }
 
+std::uint16_t Argument::port(std::string& address) {
+  std::string_view text = value_or("0");
+  if (const std::size_t colon = text.rfind(':'); colon != std::string_view::npos) {
+    std::string_view before = text.substr(0, colon);
+    text.remove_prefix(colon + 1);
+    if (before.starts_with('[') && before.ends_with(']')) {
+      before = before.substr(1, before.size() - 2);
+    }
+    if (before.empty()) refuse(name_, name_, "PORT or ADDRESS:PORT");
+    address = before;
+  }
+  return demos::number(name_, text, std::uint16_t{0}, std::uint16_t{65535},
+                       "a port from 0 (any) to 65535");
+}
+
 void Argument::items(
     std::span<const std::string_view> known,
     const std::function<void(std::string_view key, std::string_view value)>& visit) {

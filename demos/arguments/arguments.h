@@ -4,6 +4,7 @@
 // Command lines of all programs: demos, tools and benchmarks.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -60,6 +61,9 @@ class Argument {
   Number number(Number low, Number high, std::string_view rule) {
     return demos::number(name_, value(), low, high, rule);
   }
+  /// An optional "PORT" or "ADDRESS:PORT" to serve at; 0, also without a value, is any port.
+  /// @param address  set if one is given; [..] is left out of an IPv6 one
+  std::uint16_t port(std::string& address);
   /// Calls visit(key, value) for each item of "key=value,key"; value may be empty.
   /// @throws UsageError if a key is not in `known`
   void items(std::span<const std::string_view> known,

@@ -48,30 +48,16 @@ struct Options {
   bool paused = false;
 };
 
-void read_view(Argument& in, view::ServerOptions& out) {
-  std::string_view port = in.value_or("0");
-  if (const std::size_t colon = port.rfind(':'); colon != std::string_view::npos) {
-    std::string_view address = port.substr(0, colon);
-    port.remove_prefix(colon + 1);
-    if (address.starts_with('[') && address.ends_with(']')) {
-      address = address.substr(1, address.size() - 2);
-    }
-    if (address.empty()) refuse("--view", in.name(), "PORT or ADDRESS:PORT");
-    out.address = address;
-  }
-  out.port = number("--view", port, std::uint16_t{0}, std::uint16_t{65535}, "a port, 0 to 65535");
-}
-
 Options read(std::span<const std::string_view> words) {
   Options out;
-  read_arguments(words,
-                 {{"--scene", [&](Argument& in) { out.file.path = in.text(); }},
-                  {"--package-root", [&](Argument& in) { out.file.package_root = in.text(); }},
-                  {"--free-base", [&](Argument&) { out.file.fixed_base = false; }},
-                  {"--keyframe", [&](Argument& in) { out.file.keyframe = in.text(); }},
-                  {"--ground", [&](Argument&) { out.ground = true; }},
-                  {"--paused", [&](Argument&) { out.paused = true; }},
-                  {"--view", [&](Argument& in) { read_view(in, out.server); }}});
+  read_arguments(
+      words, {{"--scene", [&](Argument& in) { out.file.path = in.text(); }},
+              {"--package-root", [&](Argument& in) { out.file.package_root = in.text(); }},
+              {"--free-base", [&](Argument&) { out.file.fixed_base = false; }},
+              {"--keyframe", [&](Argument& in) { out.file.keyframe = in.text(); }},
+              {"--ground", [&](Argument&) { out.ground = true; }},
+              {"--paused", [&](Argument&) { out.paused = true; }},
+              {"--view", [&](Argument& in) { out.server.port = in.port(out.server.address); }}});
   if (out.file.path.empty()) throw UsageError("--scene FILE must be given");
   return out;
 }

@@ -138,21 +138,6 @@ void read_clock(Argument& in, DemoOptions& o) {
   });
 }
 
-/// "PORT", "ADDRESS:PORT", or nothing.
-void read_view(Argument& in, DemoOptions& o) {
-  std::string_view port = in.value_or("0");
-  if (const std::size_t colon = port.rfind(':'); colon != std::string_view::npos) {
-    std::string_view address = port.substr(0, colon);
-    port.remove_prefix(colon + 1);
-    if (address.starts_with('[') && address.ends_with(']')) {
-      address = address.substr(1, address.size() - 2);
-    }
-    if (address.empty()) refuse("--view", in.name(), "PORT or ADDRESS:PORT");
-    o.view_address = address;
-  }
-  o.view = number("--view", port, std::uint16_t{0}, std::uint16_t{65535}, kPort);
-}
-
 /// Coupling of the run and, after a comma, of the comparison run.
 void read_coupling(Argument& in, DemoOptions& o) {
   const std::string_view text = in.value();
@@ -211,7 +196,8 @@ constexpr DemoOption kOptions[] = {
      [](Argument& in, DemoOptions& o) {
        o.seconds = in.number(0.1, 86400.0, "a number from 0.1 to 86400");
      }},
-    {"--view", Where::Everywhere, read_view},
+    {"--view", Where::Everywhere,
+     [](Argument& in, DemoOptions& o) { o.view = in.port(o.view_address); }},
     {"--seed", Where::Everywhere,
      [](Argument& in, DemoOptions& o) {
        o.seed = in.number(std::uint64_t{0}, kMax64, "an integer of 64 bits, >= 0");

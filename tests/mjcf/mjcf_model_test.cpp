@@ -331,10 +331,10 @@ TEST_CASE("mjcf: elements unknown to MuJoCo's schema are left out and told", "[m
       <jointpos joint="j"/>
     </sensor></mujoco>)";
   SceneFile file = parse_mjcf(text);
-  CHECK(is_told(file, "<joint>: actuatorfrcrange is not known to MuJoCo"));
+  CHECK(is_told(file, "<joint>: actuatorfrcrange is not accepted by MuJoCo"));
   CHECK(is_told(file, "(2 times)"));
-  CHECK(is_told(file, "<flag>: nativeccd is not known"));
-  CHECK(is_told(file, "<novelty>: the element is not known"));
+  CHECK(is_told(file, "<flag>: nativeccd is not accepted"));
+  CHECK(is_told(file, "<novelty>: the element is not accepted"));
   CHECK(is_told(file, "sensor 0: not read"));
   CHECK(file.scene.world().gravity() == Vec3::Zero());
   CHECK(file.scene.joints().def(file.find_joint("j")).angular[0].upper ==
@@ -348,7 +348,7 @@ TEST_CASE("mjcf: elements unknown to MuJoCo's schema are left out and told", "[m
       "<light mode='targetbody' target='a'/><body name='a'><geom size='.1'/></body></worldbody>"
       "</mujoco>";
   SceneFile newer = parse_mjcf(later);
-  CHECK(is_told(newer, "<option>: \"implicitfast\" is not known to MuJoCo"));
+  CHECK(is_told(newer, "<option>: \"implicitfast\" is not accepted by MuJoCo"));
   CHECK(newer.scene.world().gravity() == Vec3(0.0, 0.0, -1.0));
   CHECK(refusal([&] { parse_mjcf(later, {.strict = true}); }).find("implicitfast") !=
         std::string::npos);

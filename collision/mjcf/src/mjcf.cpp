@@ -84,7 +84,7 @@ ModelPointer compile(const std::string& path, std::vector<mjcf::Document>& docum
       throw SceneFileError(pbd::detail::must_be(std::string(name) + ": text", "MJCF", error));
     }
     warnings.push_back("<" + unknown->element + ">: " + unknown->title() +
-                       " is not known to MuJoCo " + mj_versionString() + ", and left out (" +
+                       " is not accepted by MuJoCo " + mj_versionString() + ", and left out (" +
                        std::to_string(count) + " times)");
   }
 }
